@@ -1,0 +1,9 @@
+#pragma once
+
+#include <memory>
+
+#include "commands/command.h"
+
+namespace loopline {
+std::unique_ptr<Command> make_check_command();
+}  // namespace loopline

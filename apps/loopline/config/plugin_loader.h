@@ -1,0 +1,24 @@
+/// Plugin libraries, by MRPT's own loader: loaded once, never unloaded, duplicates and other versions refused.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "api/module.h"
+
+namespace loopline {
+
+/// Loads every plugin library of the folder beside the program (../lib/loopline), in name order, and returns the paths.
+/// Throws CommandError(exit_configuration) with a sentence for one that can't be used.
+std::vector<std::string> load_plugins();
+/// The same for one library.
+void load_plugin(const std::string& path);
+
+/// Names (ModuleInfo::name) of all modules and of all map builders, sorted.
+std::vector<std::string> known_modules();
+std::vector<std::string> known_map_builders();
+/// Null if there is none of that name.
+Module::Ptr make_module(const std::string& name);
+MapBuilder::Ptr make_map_builder(const std::string& name);
+
+}  // namespace loopline

@@ -1,0 +1,51 @@
+/// What is known at the end of a run, complete or not: the only thing that the writers see.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "api/results.h"
+#include "api/trajectory.h"
+
+namespace loopline {
+
+struct InputRecord {
+    std::string path;
+    std::uint64_t bytes = 0;
+    std::string sha256;           ///< of the file
+    std::uint64_t objects = 0;    ///< read before the end or the damage
+    std::string damage;           ///< one sentence if the log is damaged; empty if it was read to its end
+};
+
+struct ModuleTiming {
+    std::uint64_t calls = 0;
+    double total_ms = 0;
+    double worst_ms = 0;
+};
+
+struct RunRecord {
+    std::string status = "done";  ///< done, interrupted, damaged_input, refused
+    int exit_code = 0;
+    std::vector<std::string> warnings;  ///< sentences: stamps going backwards, two sensors with one label, ...
+    std::vector<InputRecord> inputs;
+
+    std::uint64_t scans_read = 0;  ///< laser scans in the log
+    std::uint64_t scans_used = 0;  ///< laser scans with a pose in the result
+    StampNs first_stamp_ns = 0;
+    StampNs last_stamp_ns = 0;
+    double wall_s = 0, cpu_s = 0, peak_memory_mb = 0;
+
+    const Trajectory* trajectory = nullptr;  ///< the result; null if no module estimates one
+    const Trajectory* odometry = nullptr;    ///< dead reckoning; null if there is none
+    Results results;                         ///< maps from the final poses, metrics of the modules
+    Results odometry_results;                ///< the same maps from dead reckoning, for "before" pictures
+    std::map<std::string, ModuleTiming> modules;
+
+    std::string config_path;
+    std::string effective_ini;
+    std::uint64_t seed = 0;
+};
+
+}  // namespace loopline

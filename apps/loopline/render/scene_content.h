@@ -1,0 +1,34 @@
+/// What a picture shows, from a run in memory or from files.
+#pragma once
+
+#include <mrpt/maps/COccupancyGridMap2D.h>
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/line_map.h"
+#include "api/pose3.h"
+
+namespace loopline {
+
+struct RunRecord;
+
+struct SceneContent {
+    std::string title;
+    std::vector<Pose3> estimated_path;   ///< map frame
+    std::vector<Pose3> odometry_path;    ///< map frame: both start at the same pose
+    std::optional<LineMap> lines;
+    std::vector<Eigen::Vector3f> points_m;           ///< scan points by the estimated path
+    std::vector<Eigen::Vector3f> points_odometry_m;  ///< scan points by dead reckoning
+    mrpt::maps::COccupancyGridMap2D::Ptr grid;       ///< null if there is none
+};
+
+SceneContent scene_from_record(const RunRecord& record, const std::string& title);
+/// A run directory, or one file: .tum, .ply, .pcd, .gridmap, map_server .yaml, .simplemap, line .csv.
+/// Throws CommandError(exit_input_data) with a sentence if there is nothing to draw.
+SceneContent scene_from_path(const std::filesystem::path& run_directory_or_file);
+
+}  // namespace loopline

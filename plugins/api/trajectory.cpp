@@ -1,0 +1,63 @@
+#include "api/trajectory.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace loopline {
+namespace {
+
+Pose3 interpolate(const TrajectoryEntry& a, const TrajectoryEntry& b, StampNs stamp_ns) {
+    if (a.stamp_ns == b.stamp_ns) return a.T_map_base;
+    const double u = static_cast<double>(stamp_ns - a.stamp_ns) / static_cast<double>(b.stamp_ns - a.stamp_ns);
+    return {(1 - u) * a.T_map_base.translation_m + u * b.T_map_base.translation_m,
+            a.T_map_base.rotation.slerp(u, b.T_map_base.rotation)};
+}
+
+bool encloses(const TrajectoryEntry& a, const TrajectoryEntry& b, StampNs stamp_ns) {
+    return (a.stamp_ns <= stamp_ns && stamp_ns <= b.stamp_ns) || (b.stamp_ns <= stamp_ns && stamp_ns <= a.stamp_ns);
+}
+
+}  // namespace
+
+void Trajectory::append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base,
+                        const Matrix6d& covariance) {
+    assert(entries_.empty() || sequence > entries_.back().sequence);
+    index_of_sequence_.emplace(sequence, entries_.size());
+    entries_.push_back({sequence, stamp_ns, T_map_base, covariance, T_map_base});
+}
+
+void Trajectory::revise(std::size_t index, const Pose3& T_map_base, const Matrix6d& covariance) {
+    assert(index < entries_.size());
+    entries_[index].T_map_base = T_map_base;
+    entries_[index].covariance = covariance;
+}
+
+const TrajectoryEntry* Trajectory::find(std::uint64_t sequence) const {
+    const auto found = index_of_sequence_.find(sequence);
+    return found == index_of_sequence_.end() ? nullptr : &entries_[found->second];
+}
+
+std::optional<Pose3> Trajectory::pose_at(StampNs stamp_ns, std::uint64_t hint_sequence) const {
+    if (entries_.empty()) return std::nullopt;
+    const auto not_before = std::lower_bound(entries_.begin(), entries_.end(), hint_sequence,
+                                             [](const auto& e, std::uint64_t s) { return e.sequence < s; });
+    const auto start = static_cast<std::ptrdiff_t>(not_before - entries_.begin());
+    const auto last = static_cast<std::ptrdiff_t>(entries_.size()) - 1;
+    for (std::ptrdiff_t distance = 0; distance <= last + 1; ++distance)
+        for (const std::ptrdiff_t left : {start - 1 - distance, start - 1 + distance}) {
+            if (left < 0 || left > last) continue;
+            const auto& a = entries_[static_cast<std::size_t>(left)];
+            const auto& b = entries_[static_cast<std::size_t>(std::min(left + 1, last))];
+            if (encloses(a, b, stamp_ns)) return interpolate(a, b, stamp_ns);
+        }
+    return std::nullopt;
+}
+
+double Trajectory::length_m() const {
+    double length_m = 0;
+    for (std::size_t i = 1; i < entries_.size(); ++i)
+        length_m += (entries_[i].T_map_base.translation_m - entries_[i - 1].T_map_base.translation_m).norm();
+    return length_m;
+}
+
+}  // namespace loopline

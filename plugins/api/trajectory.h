@@ -1,0 +1,58 @@
+/// The estimated path as a first-class value: what was known at the time, and what is known now.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "api/pose3.h"
+#include "api/stamp.h"
+
+namespace loopline {
+
+/// One pose of a trajectory. Covariances are of (x y z roll pitch yaw), in m and rad, MRPT's order for a CPose3DPDF
+/// being (x y z yaw pitch roll): convert at the boundary only.
+struct TrajectoryEntry {
+    std::uint64_t sequence = 0;  ///< of the observation that this pose belongs to (its place in the merged log)
+    StampNs stamp_ns = 0;
+    Pose3 T_map_base;                             ///< the latest revision
+    Matrix6d covariance = Matrix6d::Zero();       ///< of the latest revision
+    Pose3 T_map_base_online;                      ///< what was known at `stamp_ns`, before any later revision
+};
+
+/// Poses in log order. In some logs stamps go backwards while file order is right, so `sequence` is the key and the
+/// stamp only serves for interpolation between neighbours in that order.
+class Trajectory {
+   public:
+    /// Adds a pose for a later observation than the last one. Online and latest estimate are the same at first.
+    void append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base, const Matrix6d& covariance);
+
+    /// Replaces the latest estimate of entry `index` (smoothing, loop closing); the online one stays.
+    /// Call `finish_revision()` after the last of a batch.
+    void revise(std::size_t index, const Pose3& T_map_base, const Matrix6d& covariance);
+    void finish_revision() { ++revision_; }
+    /// Counts the batches of revisions, so that a map builder knows that it has to draw again.
+    std::uint64_t revision() const { return revision_; }
+
+    const std::vector<TrajectoryEntry>& entries() const { return entries_; }
+    bool empty() const { return entries_.empty(); }
+    std::size_t size() const { return entries_.size(); }
+
+    /// The entry of an observation, or null if that observation has no pose.
+    const TrajectoryEntry* find(std::uint64_t sequence) const;
+
+    /// Latest pose at a time, interpolated (slerp) between the two neighbours nearest to `hint_sequence` that enclose
+    /// it; `nullopt` outside of the trajectory.
+    std::optional<Pose3> pose_at(StampNs stamp_ns, std::uint64_t hint_sequence) const;
+
+    /// Length of the latest path, in metres.
+    double length_m() const;
+
+   private:
+    std::vector<TrajectoryEntry> entries_;
+    std::unordered_map<std::uint64_t, std::size_t> index_of_sequence_;
+    std::uint64_t revision_ = 0;
+};
+
+}  // namespace loopline
