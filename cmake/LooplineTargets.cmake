@@ -22,5 +22,6 @@ function(loopline_plugin name)
     set_target_properties(loopline_${name} PROPERTIES
         LIBRARY_OUTPUT_DIRECTORY ${LOOPLINE_PLUGIN_DIR}
         BUILD_RPATH "$ORIGIN" INSTALL_RPATH "$ORIGIN")
+    set_property(GLOBAL APPEND PROPERTY LOOPLINE_PLUGIN_TARGETS loopline_${name})
     install(TARGETS loopline_${name} LIBRARY DESTINATION lib/loopline)
 endfunction()
