@@ -1,0 +1,188 @@
+#include "odometry/odometry_module.h"
+
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationOdometry.h>
+
+#include <cmath>
+
+namespace loopline {
+IMPLEMENTS_MRPT_OBJECT(Odometry, Module, loopline)
+
+namespace {
+
+bool is_finite(const mrpt::poses::CPose2D& pose) {
+    return std::isfinite(pose.x()) && std::isfinite(pose.y()) && std::isfinite(pose.phi());
+}
+
+Matrix6d spatial_covariance(const Eigen::Matrix3d& planar) {
+    Matrix6d covariance = Matrix6d::Zero();
+    const int index[3] = {0, 1, 5};  // x, y, yaw of (x y z roll pitch yaw)
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column)
+            covariance(index[row], index[column]) = planar(row, column);
+    return covariance;
+}
+
+Eigen::Matrix3d planar_covariance(const Matrix6d& spatial) {
+    const int index[3] = {0, 1, 5};
+    Eigen::Matrix3d planar;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) planar(row, column) = spatial(index[row], index[column]);
+    return planar;
+}
+
+}  // namespace
+
+ModuleInfo Odometry::info() const {
+    return {"odometry",
+            "Dead reckoning from wheel odometry, interpolated to the stamp of every 2D scan.",
+            {"CObservationOdometry", "CObservation2DRangeScan"},
+            {},
+            {"CObservationOdometry"}};
+}
+
+ParameterTable Odometry::parameters() {
+    return ParameterTable("odometry", info().sentence)
+        .choice("source", source_, {{"pose", Source::pose}, {"ticks", Source::ticks}},
+                "Take the cumulative pose of the observations, or integrate their encoder ticks.")
+        .text("sensor_label", sensor_label_,
+              "Odometry sensor to use; empty for the one that comes first in the log, others are ignored.")
+        .real("metres_per_tick_left_m", drive_.metres_per_tick_left_m, Range::at_least(0),
+              "Way of the left wheel for one encoder tick; needed with source = ticks.")
+        .real("metres_per_tick_right_m", drive_.metres_per_tick_right_m, Range::at_least(0),
+              "Way of the right wheel for one encoder tick; needed with source = ticks.")
+        .real("track_width_m", drive_.track_width_m, Range::at_least(0),
+              "Distance of the two wheels; needed with source = ticks.")
+        .real("noise_along_m", noise_.along_m, Range::at_least(0),
+              "Standard deviation along the path after one metre; variances grow in proportion to the way.")
+        .real("noise_across_m", noise_.across_m, Range::at_least(0),
+              "Standard deviation across the path after one metre, beside what the heading brings.")
+        .angle("noise_heading_deg", noise_.heading_rad, {0, 180},
+               "Standard deviation of the heading after one metre.")
+        .angle("noise_turn_deg", noise_.heading_per_turn_rad, {0, 360},
+               "Standard deviation of the heading after one full turn.")
+        .real("max_delay_s", synchronisation_.max_delay_s, Range::at_least(0),
+              "How far a scan may stand in the log from the odometry of its own time; beyond, its neighbour "
+              "in the log is used.")
+        .real("max_extrapolation_s", synchronisation_.max_extrapolation_s, Range::at_least(0),
+              "At the log's end, motion is continued beyond the last odometry for at most this long.");
+}
+
+std::string Odometry::check() const {
+    const bool calibrated =
+        drive_.metres_per_tick_left_m > 0 && drive_.metres_per_tick_right_m > 0 && drive_.track_width_m > 0;
+    if (source_ == Source::ticks && !calibrated)
+        return "source = ticks needs metres_per_tick_left_m, metres_per_tick_right_m and track_width_m above "
+               "0";
+    return {};
+}
+
+void Odometry::start(const RunContext&) {
+    at_scans_ = OdometryAtScans(synchronisation_);
+}
+
+void Odometry::process(const StreamItem& item, Publisher& publisher) {
+    const auto* observation = item.observation.get();
+    if (const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(observation)) {
+        take_odometry(*odometry, item.stamp_ns);
+    } else if (dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(observation)) {
+        at_scans_.add_scan(item.sequence, item.stamp_ns);
+        waiting_[item.sequence] = {item.stamp_ns, observation->timestamp};
+        ++scans_;
+    } else {
+        return;
+    }
+    while (const auto placed = at_scans_.next()) publish(*placed, publisher);
+}
+
+void Odometry::drain(Publisher& publisher) {
+    while (const auto placed = at_scans_.next_at_end()) publish(*placed, publisher);
+}
+
+void Odometry::take_odometry(const mrpt::obs::CObservationOdometry& observation, StampNs stamp_ns) {
+    // What an earlier run recorded is no second sensor, unless it is asked for.
+    const bool own = observation.sensorLabel == published_label && sensor_label_ != published_label;
+    if (!own && !label_in_use_ && (sensor_label_.empty() || sensor_label_ == observation.sensorLabel))
+        label_in_use_ = observation.sensorLabel;
+    if (own || label_in_use_ != observation.sensorLabel) {
+        ++ignored_;
+        return;
+    }
+
+    OdometrySample sample;
+    sample.stamp_ns = stamp_ns;
+    if (observation.hasEncodersInfo)
+        sample.ticks = unwrap_ticks_(observation.encoderLeftTicks, observation.encoderRightTicks);
+    if (source_ == Source::pose) {
+        if (!is_finite(observation.odometry)) {
+            ++not_finite_;
+            return;
+        }
+        sample.T_odom_base = {observation.odometry.x(), observation.odometry.y(),
+                              wrap_to_pi(observation.odometry.phi())};
+    } else {
+        if (!sample.ticks) {
+            ++without_ticks_;
+            return;
+        }
+        if (last_ticks_)
+            T_odom_base_of_ticks_ =
+                T_odom_base_of_ticks_ * exp_se2(motion_from_ticks(drive_, *last_ticks_, *sample.ticks));
+        last_ticks_ = sample.ticks;
+        sample.T_odom_base = T_odom_base_of_ticks_;
+    }
+    at_scans_.add_odometry(sample);
+    ++samples_;
+}
+
+void Odometry::publish(const PlacedScan& placed, Publisher& publisher) {
+    const auto scan = waiting_.find(placed.scan);
+    const ScanStamp stamp = scan->second;
+    waiting_.erase(scan);
+    by_file_order_ += placed.by == PlacedScan::By::file_order;
+    extrapolated_ += placed.by == PlacedScan::By::extrapolation;
+
+    if (!T_odom_first_) T_odom_first_ = placed.T_odom_base;
+    const Pose2 T_map_base = T_odom_first_->inverse() * placed.T_odom_base;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    if (!trajectory_.empty()) {
+        const auto& last = trajectory_.entries().back();
+        covariance = propagate_covariance(planar_covariance(last.covariance), last.T_map_base.planar(),
+                                          T_map_base, noise_);
+    }
+    trajectory_.append(placed.scan, stamp.stamp_ns, Pose3(T_map_base), spatial_covariance(covariance));
+
+    const auto observation = mrpt::obs::CObservationOdometry::Create();
+    observation->sensorLabel = published_label;
+    observation->timestamp = stamp.timestamp;
+    observation->odometry = {placed.T_odom_base.x_m, placed.T_odom_base.y_m, placed.T_odom_base.phi_rad};
+    if (placed.ticks) {
+        observation->hasEncodersInfo = true;
+        observation->encoderLeftTicks =
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(placed.ticks->left));
+        observation->encoderRightTicks =
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(placed.ticks->right));
+    }
+    if (placed.velocity) {
+        observation->hasVelocities = true;
+        observation->velocityLocal = {placed.velocity->forward_m, placed.velocity->left_m,
+                                      placed.velocity->turn_rad};
+    }
+    publisher.publish(observation, placed.scan);
+}
+
+void Odometry::finish(Results& results) {
+    results.metrics["odometry_samples"] = samples_;
+    if (ignored_) results.metrics["odometry_ignored"] = ignored_;
+    if (not_finite_) results.metrics["odometry_not_finite"] = not_finite_;
+    if (by_file_order_) results.metrics["odometry_scans_by_file_order"] = by_file_order_;
+    if (extrapolated_) results.metrics["odometry_scans_extrapolated"] = extrapolated_;
+    if (!waiting_.empty())
+        results.metrics["odometry_scans_without"] = static_cast<std::int64_t>(waiting_.size());
+    if (scans_ > 0 && samples_ == 0 && without_ticks_ > 0)
+        results.refused =
+            "odometry: source = ticks, but no odometry observation of the log carries encoder ticks; use "
+            "source = pose";
+}
+
+}  // namespace loopline

@@ -1,0 +1,64 @@
+/// Module "odometry": dead reckoning from a log's odometry, given at the time of every scan.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "api/module.h"
+#include "odometry/odometry_at_scans.h"
+
+namespace mrpt::obs {
+class CObservationOdometry;
+}
+
+namespace loopline {
+
+/// For every CObservation2DRangeScan it publishes one CObservationOdometry, labelled "odometry_at_scan", with
+/// the scan's stamp and the scan's sequence. Its trajectory is the dead-reckoned pose of every scan, the
+/// first one at the origin, with a covariance that grows with the way.
+class Odometry : public Module {
+    DEFINE_MRPT_OBJECT(Odometry, loopline)
+ public:
+    static constexpr const char* published_label = "odometry_at_scan";
+
+    ModuleInfo info() const override;
+    ParameterTable parameters() override;
+    std::string check() const override;
+    void start(const RunContext&) override;
+    void process(const StreamItem& item, Publisher& publisher) override;
+    void drain(Publisher& publisher) override;
+    void finish(Results& results) override;
+    const Trajectory* trajectory() const override { return &trajectory_; }
+
+ private:
+    enum class Source { pose, ticks };
+    struct ScanStamp {
+        StampNs stamp_ns;
+        mrpt::Clock::time_point timestamp;
+    };
+
+    void take_odometry(const mrpt::obs::CObservationOdometry& observation, StampNs stamp_ns);
+    void publish(const PlacedScan& placed, Publisher& publisher);
+
+    Source source_ = Source::pose;
+    std::string sensor_label_;
+    DifferentialDrive drive_;
+    OdometryNoise noise_;
+    OdometryAtScansSettings synchronisation_;
+
+    OdometryAtScans at_scans_;
+    std::optional<std::string> label_in_use_;
+    TickUnwrapper unwrap_ticks_;
+    std::optional<WheelTicks> last_ticks_;
+    Pose2 T_odom_base_of_ticks_;  ///< integrated; the origin is where the first counts were read
+    std::map<std::uint64_t, ScanStamp> waiting_;  ///< by sequence
+    std::optional<Pose2> T_odom_first_;           ///< at the first scan
+    Trajectory trajectory_;
+
+    std::int64_t samples_ = 0, ignored_ = 0, without_ticks_ = 0, not_finite_ = 0, scans_ = 0,
+                 by_file_order_ = 0, extrapolated_ = 0;
+};
+
+}  // namespace loopline
