@@ -1,0 +1,55 @@
+/// One file of a run directory: written under another name and renamed when it is whole, with numbers
+/// formatted without locale and without a stream object.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "api/stamp.h"
+
+namespace loopline {
+
+/// Every call throws CommandError(exit_configuration) with a sentence if the folder or the disk refuses. A
+/// file that is destroyed before commit() leaves nothing behind.
+class OutputFile {
+ public:
+    /// Opens ".NAME.partial" beside `file`.
+    explicit OutputFile(std::filesystem::path file);
+    ~OutputFile();
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+
+    OutputFile& text(std::string_view characters) { return bytes(characters.data(), characters.size()); }
+    OutputFile& bytes(const void* data, std::size_t size);
+    OutputFile& integer(std::int64_t value);
+    OutputFile& count(std::uint64_t value);
+    /// Shortest decimal text that reads back to the same double; "-0" is written "0". `value` must be finite:
+    /// who has a value that may not be leaves its record out and says so.
+    OutputFile& number(double value);
+    /// Seconds with nine decimals, all of them from the integer.
+    OutputFile& seconds(StampNs stamp_ns);
+    /// Little-endian IEEE 754, as PLY and PCD want it.
+    OutputFile& binary_float(float value);
+
+    /// Writes what is left, closes and renames.
+    void commit();
+
+ private:
+    char* room(std::size_t size);
+    void flush();
+    [[noreturn]] void fail(int error);
+
+    std::filesystem::path file_;
+    std::filesystem::path partial_;
+    int descriptor_ = -1;
+    std::string buffer_;
+    std::size_t used_ = 0;
+};
+
+/// A whole file at once.
+void write_whole_file(const std::filesystem::path& file, std::string_view content);
+
+}  // namespace loopline

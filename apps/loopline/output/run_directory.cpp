@@ -1,0 +1,62 @@
+#include "output/run_directory.h"
+
+#include <algorithm>
+
+#include "output/covariance_csv.h"
+#include "output/kitti_poses.h"
+#include "output/manifest_json.h"
+#include "output/map_files.h"
+#include "output/output_file.h"
+#include "output/tum.h"
+
+namespace loopline {
+namespace {
+
+void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, FileList& list) {
+    const auto tum = [&](const char* name, const Trajectory& trajectory, Estimate estimate) {
+        list.add(name, write_tum(folder / name, trajectory, estimate), "poses");
+    };
+    if (record.trajectory) {
+        tum("trajectory.tum", *record.trajectory, Estimate::latest);
+        tum("trajectory_online.tum", *record.trajectory, Estimate::online);
+        list.add("trajectory.kitti", write_kitti_poses(folder / "trajectory.kitti", *record.trajectory),
+                 "poses");
+        list.add("covariance.csv", write_covariance_csv(folder / "covariance.csv", *record.trajectory),
+                 "covariances");
+    }
+    if (record.odometry) tum("odometry.tum", *record.odometry, Estimate::latest);
+}
+
+/// A manifest may come from anywhere: nothing outside of the folder is touched.
+bool stays_inside(const std::filesystem::path& file) {
+    return !file.empty() && file.is_relative() &&
+           std::none_of(file.begin(), file.end(), [](const auto& part) { return part == ".."; });
+}
+
+void remove_stale(const std::filesystem::path& folder, const std::vector<std::string>& before,
+                  const std::vector<std::string>& now) {
+    for (const auto& file : before) {
+        if (!stays_inside(file) || std::find(now.begin(), now.end(), file) != now.end()) continue;
+        std::error_code ignored;  // it may be gone already
+        std::filesystem::remove(folder / file, ignored);
+    }
+}
+
+}  // namespace
+
+void write_run_directory(const std::filesystem::path& folder, const RunRecord& record,
+                         const OutputSettings& outputs) {
+    const auto before = files_in_manifest(folder);
+    FileList list;
+    if (outputs.trajectory) write_trajectories(folder, record, list);
+    if (outputs.maps) write_map_files(folder, record.results, list);
+    write_whole_file(folder / "config.ini", record.effective_ini);
+    list.add("config.ini");
+    write_metrics(folder, record);
+    list.add("metrics.json");
+    list.add("manifest.json");
+    remove_stale(folder, before, list.files);
+    write_manifest(folder, record, list.warnings, list.files);
+}
+
+}  // namespace loopline

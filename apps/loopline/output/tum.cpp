@@ -1,0 +1,115 @@
+#include "output/tum.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+
+#include "commands/command.h"
+#include "output/output_file.h"
+
+namespace loopline {
+namespace {
+
+std::optional<double> finite_number(const char* first, const char* last) {
+    if (first != last && *first == '+') ++first;
+    double value = 0;
+    const auto end = std::from_chars(first, last, value);
+    if (end.ec != std::errc() || end.ptr != last || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
+/// Decimal text digit by digit; a stamp written with an exponent through a double.
+std::optional<StampNs> stamp_from_word(const std::string& word) {
+    if (const auto stamp_ns = stamp_from_seconds_text(word)) return stamp_ns;
+    const auto seconds = finite_number(word.data(), word.data() + word.size());
+    if (!seconds || std::abs(*seconds) > 9e9) return std::nullopt;
+    return static_cast<StampNs>(std::llround(*seconds * 1e9));
+}
+
+std::vector<std::string> words_of(const std::string& line) {
+    constexpr const char* blanks = " \t\r";
+    std::vector<std::string> words;
+    for (std::size_t at = line.find_first_not_of(blanks); at != std::string::npos;) {
+        const std::size_t end = line.find_first_of(blanks, at);
+        words.push_back(line.substr(at, end - at));
+        at = end == std::string::npos ? end : line.find_first_not_of(blanks, end);
+    }
+    return words;
+}
+
+/// The pose of a line, or what is wrong with it.
+std::optional<StampedPose> parse(const std::vector<std::string>& words, std::string& problem) {
+    if (words.size() != 8) {
+        problem =
+            "has " + std::to_string(words.size()) + " columns instead of the 8 of \"t x y z qx qy qz qw\"";
+        return std::nullopt;
+    }
+    const auto stamp_ns = stamp_from_word(words[0]);
+    if (!stamp_ns) {
+        problem = "has no time in its first column: \"" + words[0] + "\"";
+        return std::nullopt;
+    }
+    std::array<double, 7> v{};
+    for (std::size_t i = 0; i < v.size(); ++i) {
+        const auto value = finite_number(words[i + 1].data(), words[i + 1].data() + words[i + 1].size());
+        if (!value) {
+            problem = "has a column that is not a finite number: \"" + words[i + 1] + "\"";
+            return std::nullopt;
+        }
+        v[i] = *value;
+    }
+    Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
+    const double norm = rotation.norm();
+    if (norm < 0.9 || norm > 1.1) {
+        problem = "has a quaternion of length " + std::to_string(norm) + " instead of 1";
+        return std::nullopt;
+    }
+    // What is a unit quaternion to the last digits stays as it was written.
+    if (std::abs(norm - 1) > 1e-12) rotation.coeffs() /= norm;
+    return StampedPose{*stamp_ns, Pose3({v[0], v[1], v[2]}, rotation)};
+}
+
+}  // namespace
+
+std::size_t write_tum(const std::filesystem::path& file, const Trajectory& trajectory, Estimate estimate) {
+    OutputFile out(file);
+    out.text("# t_s x_m y_m z_m qx qy qz qw (T_map_base)\n");
+    std::size_t left_out = 0;
+    for (const auto& entry : trajectory.entries()) {
+        const Pose3& pose = estimate == Estimate::latest ? entry.T_map_base : entry.T_map_base_online;
+        if (!pose.translation_m.allFinite() || !pose.rotation.coeffs().allFinite()) {
+            ++left_out;
+            continue;
+        }
+        out.seconds(entry.stamp_ns);
+        for (int i = 0; i < 3; ++i) out.text(" ").number(pose.translation_m[i]);
+        for (int i = 0; i < 4; ++i)
+            out.text(" ").number(pose.rotation.coeffs()[i]);  // Eigen's order: x y z w
+        out.text("\n");
+    }
+    out.commit();
+    return left_out;
+}
+
+std::vector<StampedPose> read_tum(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    if (!in || !std::filesystem::is_regular_file(file))
+        throw CommandError(exit_input_data, "can't read the trajectory " + file.string() +
+                                                ": there is no such file; give one in TUM format");
+    std::vector<StampedPose> poses;
+    std::string line, problem;
+    for (std::size_t number = 1; std::getline(in, line); ++number) {
+        const auto words = words_of(line);
+        if (words.empty() || words[0][0] == '#') continue;
+        const auto pose = parse(words, problem);
+        if (!pose)
+            throw CommandError(exit_input_data, file.string() + ":" + std::to_string(number) + ": the line " +
+                                                    problem + "; give a trajectory in TUM format");
+        poses.push_back(*pose);
+    }
+    return poses;
+}
+
+}  // namespace loopline

@@ -1,0 +1,31 @@
+/// TUM trajectories: "t x y z qx qy qz qw" a line, seconds with nine decimals, metres, unit quaternion.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "api/trajectory.h"
+
+namespace loopline {
+
+enum class Estimate {
+    latest,  ///< after all revisions
+    online   ///< what was known at the time
+};
+
+/// One line a pose in log order, T_map_base. Returns how many poses were left out because they are not
+/// finite.
+std::size_t write_tum(const std::filesystem::path& file, const Trajectory& trajectory, Estimate estimate);
+
+struct StampedPose {
+    StampNs stamp_ns = 0;
+    Pose3 T_map_base;
+};
+
+/// All poses in file order; lines that are empty or start with "#" are skipped. Quaternions are normalised.
+/// Throws CommandError(exit_input_data) with one sentence and file:line if the file is missing or anything in
+/// it is not a pose.
+std::vector<StampedPose> read_tum(const std::filesystem::path& file);
+
+}  // namespace loopline
