@@ -1,5 +1,6 @@
-/// The contract between the host and the plugins. A plugin library registers Module and MapBuilder classes with MRPT's
-/// run-time type system; the host makes them by name, binds their .ini section, and feeds them the log.
+/// The contract between the host and the plugins. A plugin library registers Module and MapBuilder classes
+/// with MRPT's run-time type system; the host makes them by name, binds their .ini section, and feeds them
+/// the log.
 #pragma once
 
 #include <mrpt/obs/CObservation.h>
@@ -22,26 +23,27 @@ namespace loopline {
 
 /// What a module is, for `describe`, `check` and the error messages.
 struct ModuleInfo {
-    std::string name;                    ///< as in `[run] modules`, and its .ini section
-    std::string sentence;                ///< what it does
-    std::vector<std::string> needs;      ///< class names of observations it can't work without ("CObservation2DRangeScan")
+    std::string name;      ///< as in `[run] modules`, and its .ini section
+    std::string sentence;  ///< what it does
+    std::vector<std::string>
+        needs;  ///< class names of observations it can't work without ("CObservation2DRangeScan")
     std::vector<std::string> uses;       ///< class names it takes when they are there
     std::vector<std::string> publishes;  ///< class names that it publishes
 };
 
 /// One observation on its way through the chain.
 struct StreamItem {
-    /// Place in the merged log: the same in every pass over it. An observation that a module publishes carries the
-    /// sequence of the one that caused it.
+    /// Place in the merged log: the same in every pass over it. An observation that a module publishes
+    /// carries the sequence of the one that caused it.
     std::uint64_t sequence = 0;
     StampNs stamp_ns = 0;
     mrpt::obs::CObservation::ConstPtr observation;
 };
 
-/// Takes what a module publishes, to the modules after it in the chain and to the recorder. The observation must carry
-/// its own sensorLabel and timestamp.
+/// Takes what a module publishes, to the modules after it in the chain and to the recorder. The observation
+/// must carry its own sensorLabel and timestamp.
 class Publisher {
-   public:
+ public:
     virtual ~Publisher() = default;
     virtual void publish(const mrpt::obs::CObservation::Ptr& observation) = 0;
     /// As above for one that belongs to an earlier observation (a module that looks ahead holds some back).
@@ -56,21 +58,24 @@ struct RunContext {
 /// Common to everything that a plugin offers by name: parameters, bound to the object that holds them.
 class Configurable : public mrpt::rtti::CObject {
     DEFINE_VIRTUAL_MRPT_OBJECT(Configurable)
-   public:
+ public:
     virtual ModuleInfo info() const = 0;
-    /// Declares the parameters of the section info().name, bound to this object; called once, before start().
+    /// Declares the parameters of the section info().name, bound to this object, and changes nothing else;
+    /// called before start(), more than once if need be.
     virtual ParameterTable parameters() = 0;
-    /// After all values were read: what is wrong with their combination, as one sentence; empty if nothing is.
+    /// After all values were read: what is wrong with their combination, as one sentence; empty if nothing
+    /// is.
     virtual std::string check() const { return {}; }
 };
 
 /// A step of the chain: takes observations in the log's order, publishes observations.
 class Module : public Configurable {
     DEFINE_VIRTUAL_MRPT_OBJECT(Module)
-   public:
+ public:
     virtual void start(const RunContext&) {}
     virtual void process(const StreamItem& item, Publisher& publisher) = 0;
-    /// End of the log: work that was held back; may publish, which the modules after it in the chain still process before their own finish.
+    /// End of the log: work that was held back; may publish, which the modules after it in the chain still
+    /// process before their own finish.
     virtual void drain(Publisher&) {}
     /// After drain() of the whole chain: smoothing, closing loops, handing over maps and figures.
     virtual void finish(Results&) {}
@@ -81,10 +86,11 @@ class Module : public Configurable {
     virtual void load_state(mrpt::serialization::CArchive&) {}
 };
 
-/// Draws a map from the final trajectory, in a second pass over the log: nobody keeps a private copy of old poses.
+/// Draws a map from the final trajectory, in a second pass over the log: nobody keeps a private copy of old
+/// poses.
 class MapBuilder : public Configurable {
     DEFINE_VIRTUAL_MRPT_OBJECT(MapBuilder)
-   public:
+ public:
     /// `trajectory` outlives the builder and is final.
     virtual void start(const RunContext&, const Trajectory& trajectory) = 0;
     virtual void insert(const StreamItem& item) = 0;
@@ -97,8 +103,8 @@ class MapBuilder : public Configurable {
 #define LOOPLINE_API_VERSION "loopline-api-1"
 
 /// Once in every plugin library, at file scope, outside any namespace.
-#define LOOPLINE_PLUGIN() \
+#define LOOPLINE_PLUGIN()                                                                         \
     extern "C" __attribute__((visibility("default"))) const char* loopline_plugin_api_version() { \
-        return LOOPLINE_API_VERSION; \
-    } \
+        return LOOPLINE_API_VERSION;                                                              \
+    }                                                                                             \
     static_assert(true, "")

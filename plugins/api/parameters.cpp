@@ -1,8 +1,10 @@
 #include "api/parameters.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <charconv>
+#include <locale>
 #include <sstream>
 
 namespace loopline {
@@ -11,7 +13,8 @@ namespace {
 std::string unit_of(const std::string& name) {
     for (const char* unit : {"m", "s", "deg", "hz", "mps", "dps", "ms", "mb"}) {
         const std::string suffix = std::string("_") + unit;
-        if (name.size() > suffix.size() && name.compare(name.size() - suffix.size(), suffix.size(), suffix) == 0)
+        if (name.size() > suffix.size() &&
+            name.compare(name.size() - suffix.size(), suffix.size(), suffix) == 0)
             return unit;
     }
     return {};
@@ -32,25 +35,24 @@ std::optional<std::string> outside(double value, const Range& range) {
     return "is out of range (allowed: " + range_text(range) + ")";
 }
 
-std::vector<std::string> split(const std::string& text, const std::string& separators) {
-    std::vector<std::string> parts;
-    std::size_t begin = 0;
-    while (begin <= text.size()) {
-        const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
-        const std::size_t first = text.find_first_not_of(" \t", begin);
-        if (first < end) {
-            const std::size_t last = text.find_last_not_of(" \t", end - 1);
-            parts.push_back(text.substr(first, last - first + 1));
-        }
-        begin = end + 1;
-    }
-    return parts;
-}
-
 std::string join(const std::vector<std::string>& parts, const std::string& separator) {
     std::string text;
     for (const auto& part : parts) text += (text.empty() ? "" : separator) + part;
     return text;
+}
+
+/// Degrees as they are printed. Radians and back may cost the last digits: twelve count.
+std::string degrees_text(double degrees) {
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(12);
+    text << degrees;
+    return text.str();
+}
+
+/// The radians that the printed degrees read back as.
+double printable_radians(double degrees) {
+    return *number_from_text(degrees_text(degrees)) * M_PI / 180;
 }
 
 }  // namespace
@@ -65,8 +67,24 @@ std::optional<double> number_from_text(const std::string& text) {
     double value = 0;
     const char* begin = text.data() + (text.rfind('+', 0) == 0 ? 1 : 0);
     const auto end = std::from_chars(begin, text.data() + text.size(), value);
-    if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+    if (end.ec != std::errc() || end.ptr != text.data() + text.size() || !std::isfinite(value))
+        return std::nullopt;
     return value;
+}
+
+std::vector<std::string> split_words(const std::string& text, const std::string& separators) {
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    while (begin <= text.size()) {
+        const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+        const std::size_t first = text.find_first_not_of(" \t", begin);
+        if (first < end) {
+            const std::size_t last = text.find_last_not_of(" \t", end - 1);
+            parts.push_back(text.substr(first, last - first + 1));
+        }
+        begin = end + 1;
+    }
+    return parts;
 }
 
 ParameterTable& ParameterTable::add(Parameter parameter) {
@@ -92,28 +110,24 @@ ParameterTable& ParameterTable::real(const std::string& name, double& value, Ran
         value = *number;
         return std::nullopt;
     };
-    return add({name, ParameterKind::real, {}, range_text(range), sentence, {}, parse,
-                [&value] { return number_text(value); }});
+    return add({name, ParameterKind::real, {}, range_text(range), sentence, {}, parse, [&value] {
+                    return number_text(value);
+                }});
 }
 
 ParameterTable& ParameterTable::angle(const std::string& name, double& value_rad, Range range_deg,
                                       const std::string& sentence) {
+    value_rad = printable_radians(value_rad * 180 / M_PI);
     const auto parse = [&value_rad, range_deg](const std::string& text) -> std::optional<std::string> {
         const auto degrees = number_from_text(text);
         if (!degrees) return "is not a number: \"" + text + "\"";
         if (auto problem = outside(*degrees, range_deg)) return problem;
-        value_rad = *degrees * M_PI / 180;
+        value_rad = printable_radians(*degrees);
         return std::nullopt;
     };
-    // Radians and back may cost the last digits: print the nearest 12-digit number of degrees.
-    const auto print = [&value_rad] {
-        std::ostringstream text;
-        text.imbue(std::locale::classic());
-        text.precision(12);
-        text << value_rad * 180 / M_PI;
-        return text.str();
-    };
-    return add({name, ParameterKind::real, {}, range_text(range_deg), sentence, {}, parse, print});
+    return add({name, ParameterKind::real, {}, range_text(range_deg), sentence, {}, parse, [&value_rad] {
+                    return degrees_text(value_rad * 180 / M_PI);
+                }});
 }
 
 ParameterTable& ParameterTable::integer(const std::string& name, int& value, Range range,
@@ -127,11 +141,13 @@ ParameterTable& ParameterTable::integer(const std::string& name, int& value, Ran
         value = number;
         return std::nullopt;
     };
-    return add({name, ParameterKind::integer, {}, range_text(range), sentence, {}, parse,
-                [&value] { return std::to_string(value); }});
+    return add({name, ParameterKind::integer, {}, range_text(range), sentence, {}, parse, [&value] {
+                    return std::to_string(value);
+                }});
 }
 
-ParameterTable& ParameterTable::seed(const std::string& name, std::uint64_t& value, const std::string& sentence) {
+ParameterTable& ParameterTable::seed(const std::string& name, std::uint64_t& value,
+                                     const std::string& sentence) {
     const auto parse = [&value](const std::string& text) -> std::optional<std::string> {
         std::uint64_t number = 0;
         const auto end = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -140,22 +156,29 @@ ParameterTable& ParameterTable::seed(const std::string& name, std::uint64_t& val
         value = number;
         return std::nullopt;
     };
-    return add({name, ParameterKind::integer, {}, ">= 0", sentence, {}, parse,
-                [&value] { return std::to_string(value); }});
+    return add({name, ParameterKind::integer, {}, ">= 0", sentence, {}, parse, [&value] {
+                    return std::to_string(value);
+                }});
 }
 
 ParameterTable& ParameterTable::boolean(const std::string& name, bool& value, const std::string& sentence) {
     const auto parse = [&value](const std::string& text) -> std::optional<std::string> {
-        if (text == "true" || text == "yes" || text == "on" || text == "1") value = true;
-        else if (text == "false" || text == "no" || text == "off" || text == "0") value = false;
-        else return "is neither true nor false: \"" + text + "\"";
+        if (text == "true" || text == "yes" || text == "on" || text == "1")
+            value = true;
+        else if (text == "false" || text == "no" || text == "off" || text == "0")
+            value = false;
+        else
+            return "is neither true nor false: \"" + text + "\"";
         return std::nullopt;
     };
-    return add({name, ParameterKind::boolean, {}, "true | false", sentence, {}, parse,
-                [&value]() -> std::string { return value ? "true" : "false"; }});
+    return add(
+        {name, ParameterKind::boolean, {}, "true | false", sentence, {}, parse, [&value]() -> std::string {
+             return value ? "true" : "false";
+         }});
 }
 
-ParameterTable& ParameterTable::text(const std::string& name, std::string& value, const std::string& sentence) {
+ParameterTable& ParameterTable::text(const std::string& name, std::string& value,
+                                     const std::string& sentence) {
     const auto parse = [&value](const std::string& text) -> std::optional<std::string> {
         value = text;
         return std::nullopt;
@@ -163,33 +186,39 @@ ParameterTable& ParameterTable::text(const std::string& name, std::string& value
     return add({name, ParameterKind::text, {}, {}, sentence, {}, parse, [&value] { return value; }});
 }
 
-ParameterTable& ParameterTable::path(const std::string& name, std::string& value, const std::string& sentence) {
+ParameterTable& ParameterTable::path(const std::string& name, std::string& value, const std::string& sentence,
+                                     FileNeed need) {
     text(name, value, sentence);
     parameters_.back().kind = ParameterKind::path;
+    parameters_.back().need = need;
     return *this;
+}
+
+ParameterTable& ParameterTable::add_words(const std::string& name, ParameterKind kind,
+                                          std::vector<std::string>& value, const std::string& separators,
+                                          const std::string& joint, const std::string& sentence) {
+    const auto parse = [&value, separators](const std::string& text) -> std::optional<std::string> {
+        value = split_words(text, separators);
+        return std::nullopt;
+    };
+    return add({name, kind, {}, {}, sentence, {}, parse, [&value, joint] { return join(value, joint); }});
 }
 
 ParameterTable& ParameterTable::list(const std::string& name, std::vector<std::string>& value,
                                      const std::string& sentence) {
-    const auto parse = [&value](const std::string& text) -> std::optional<std::string> {
-        value = split(text, " \t,");
-        return std::nullopt;
-    };
-    return add({name, ParameterKind::list, {}, {}, sentence, {}, parse, [&value] { return join(value, " "); }});
+    return add_words(name, ParameterKind::list, value, " \t,", " ", sentence);
 }
 
 ParameterTable& ParameterTable::paths(const std::string& name, std::vector<std::string>& value,
-                                      const std::string& sentence) {
-    const auto parse = [&value](const std::string& text) -> std::optional<std::string> {
-        value = split(text, ";");
-        return std::nullopt;
-    };
-    return add({name, ParameterKind::path, {}, {}, sentence, {}, parse, [&value] { return join(value, "; "); }});
+                                      const std::string& sentence, FileNeed need) {
+    add_words(name, ParameterKind::path_list, value, ";", "; ", sentence);
+    parameters_.back().need = need;
+    return *this;
 }
 
 ParameterTable& ParameterTable::add_choice(const std::string& name, const std::vector<std::string>& names,
-                                           std::function<void(std::size_t)> set, std::function<std::size_t()> get,
-                                           const std::string& sentence) {
+                                           std::function<void(std::size_t)> set,
+                                           std::function<std::size_t()> get, const std::string& sentence) {
     const std::string allowed = join(names, " | ");
     const auto parse = [names, set, allowed](const std::string& text) -> std::optional<std::string> {
         for (std::size_t i = 0; i < names.size(); ++i)
@@ -199,7 +228,15 @@ ParameterTable& ParameterTable::add_choice(const std::string& name, const std::v
             }
         return "is not one of " + allowed + ": \"" + text + "\"";
     };
-    return add({name, ParameterKind::choice, {}, allowed, sentence, {}, parse, [names, get] { return names[get()]; }});
+    return add({name,
+                ParameterKind::choice,
+                {},
+                allowed,
+                sentence,
+                {},
+                parse,
+                [names, get] { return names[get()]; },
+                names});
 }
 
 }  // namespace loopline

@@ -1,0 +1,48 @@
+#include "config/host_sections.h"
+
+namespace loopline {
+
+ParameterTable run_table(RunSettings& settings) {
+    ParameterTable table("run", "What to run, and on which log.");
+    table
+        .paths("rawlog", settings.rawlogs,
+               "Rawlog files, separated by \";\"; several are merged by stamp. --rawlog replaces them.")
+        .list("modules", settings.modules, "The chain of modules, in order; see `loopline describe`.")
+        .list("maps", settings.maps, "Map builders, drawn from the final trajectory; empty: none.")
+        .text("trajectory", settings.trajectory,
+              "The module whose path is the result; empty: the last of the chain that estimates one.")
+        .seed("seed", settings.seed,
+              "For whatever draws random numbers: the same seed gives the same bytes.");
+    return table;
+}
+
+ParameterTable outputs_table(OutputSettings& settings) {
+    ParameterTable table(
+        "outputs", "What a run leaves in its directory beside metrics.json, config.ini and manifest.json.");
+    table
+        .boolean("trajectory", settings.trajectory,
+                 "Trajectories and covariances: trajectory.tum and its companions.")
+        .boolean("maps", settings.maps, "Map files, one set for each kind of map.")
+        .boolean("snapshots", settings.snapshots, "Pictures of trajectory and map.")
+        .boolean("report", settings.report, "report.html, one page to look at.")
+        .list("record", settings.record,
+              "Classes or sensor labels of published observations to keep in recorded.rawlog; empty: none.");
+    return table;
+}
+
+ParameterTable evaluation_table(EvaluationSettings& settings) {
+    ParameterTable table("evaluation", "What to compare the result with.");
+    table
+        .path("truth", settings.truth, "True trajectory: a TUM file, or lines of \"t x y phi\"; empty: none.",
+              FileNeed::must_exist)
+        .path("relations", settings.relations, "Relations file of the Kuemmerle metric; empty: none.",
+              FileNeed::must_exist);
+    return table;
+}
+
+const std::vector<std::string>& host_section_names() {
+    static const std::vector<std::string> names{"run", "outputs", "evaluation"};
+    return names;
+}
+
+}  // namespace loopline
