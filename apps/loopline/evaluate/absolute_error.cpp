@@ -1,0 +1,75 @@
+#include "evaluate/absolute_error.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace loopline {
+namespace {
+
+bool is_level(const Eigen::Quaterniond& q) {
+    return std::hypot(q.x(), q.y()) < 0.5e-6;
+}
+
+}  // namespace
+
+Pose3 align_planar(const std::vector<PosePair>& pairs) {
+    const auto n = static_cast<double>(pairs.size());
+    if (pairs.empty()) return {};
+    Eigen::Vector2d mean_estimate_m(0, 0), mean_reference_m(0, 0);
+    for (const auto& pair : pairs) {
+        mean_estimate_m += pair.T_map_base_estimate.translation_m.head<2>() / n;
+        mean_reference_m += pair.T_ref_base_reference.translation_m.head<2>() / n;
+    }
+    double cross = 0, dot = 0;
+    for (const auto& pair : pairs) {
+        const Eigen::Vector2d a = pair.T_map_base_estimate.translation_m.head<2>() - mean_estimate_m;
+        const Eigen::Vector2d b = pair.T_ref_base_reference.translation_m.head<2>() - mean_reference_m;
+        cross += a.x() * b.y() - a.y() * b.x();
+        dot += a.dot(b);
+    }
+    const Pose2 turn{0, 0, std::atan2(cross, dot)};
+    const Eigen::Vector2d shift_m = mean_reference_m - turn * mean_estimate_m;
+    return Pose3(Pose2{shift_m.x(), shift_m.y(), turn.phi_rad});
+}
+
+Pose3 align_spatial(const std::vector<PosePair>& pairs) {
+    if (pairs.empty()) return {};
+    Eigen::Matrix3Xd estimate_m(3, pairs.size()), reference_m(3, pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        estimate_m.col(static_cast<Eigen::Index>(i)) = pairs[i].T_map_base_estimate.translation_m;
+        reference_m.col(static_cast<Eigen::Index>(i)) = pairs[i].T_ref_base_reference.translation_m;
+    }
+    const Eigen::Matrix4d T = Eigen::umeyama(estimate_m, reference_m, false);
+    return {T.topRightCorner<3, 1>(),
+            Eigen::Quaterniond(Eigen::Matrix3d(T.topLeftCorner<3, 3>())).normalized()};
+}
+
+bool is_planar(const std::vector<PosePair>& pairs) {
+    return std::all_of(pairs.begin(), pairs.end(), [&](const PosePair& pair) {
+        const Pose3 &estimate = pair.T_map_base_estimate, &reference = pair.T_ref_base_reference;
+        const Pose3 &first_estimate = pairs[0].T_map_base_estimate,
+                    &first_reference = pairs[0].T_ref_base_reference;
+        return is_level(estimate.rotation) && is_level(reference.rotation) &&
+               std::abs(estimate.translation_m.z() - first_estimate.translation_m.z()) < 1e-6 &&
+               std::abs(reference.translation_m.z() - first_reference.translation_m.z()) < 1e-6;
+    });
+}
+
+AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment alignment) {
+    AbsoluteError error;
+    if (alignment == Alignment::automatic)
+        alignment = is_planar(pairs) ? Alignment::planar : Alignment::spatial;
+    error.alignment = alignment;
+    if (alignment == Alignment::planar) error.T_ref_map = align_planar(pairs);
+    if (alignment == Alignment::spatial) error.T_ref_map = align_spatial(pairs);
+    for (const auto& pair : pairs) {
+        const Eigen::Vector3d e = error.T_ref_map * pair.T_map_base_estimate.translation_m -
+                                  pair.T_ref_base_reference.translation_m;
+        error.distances_m.push_back(alignment == Alignment::planar ? e.head<2>().norm() : e.norm());
+    }
+    error.distance_m = statistics_of(error.distances_m);
+    return error;
+}
+
+}  // namespace loopline

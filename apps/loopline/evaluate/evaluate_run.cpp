@@ -1,0 +1,120 @@
+#include "evaluate/evaluate_run.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include "evaluate/absolute_error.h"
+#include "evaluate/consistency.h"
+#include "evaluate/read_trajectory.h"
+#include "evaluate/relations.h"
+
+namespace loopline {
+
+struct EvaluationReference {
+    std::vector<StampedPose> truth;
+    std::string truth_path;
+    std::vector<Relation> relations;
+    std::string relations_path;
+};
+
+namespace {
+
+constexpr double max_difference_s = 0.1;  // to the nearest truth: references of 10 Hz and more are fully used
+
+struct FinitePoses {
+    std::vector<StampedPose> poses;             ///< latest revision; those that are finite
+    std::vector<const TrajectoryEntry*> entry;  ///< of each pose
+};
+
+FinitePoses latest_estimate(const Trajectory& trajectory) {
+    FinitePoses estimate;
+    for (const auto& entry : trajectory.entries()) {
+        if (!entry.T_map_base.translation_m.allFinite() || !entry.T_map_base.rotation.coeffs().allFinite())
+            continue;
+        estimate.poses.push_back({entry.stamp_ns, entry.T_map_base});
+        estimate.entry.push_back(&entry);
+    }
+    return estimate;
+}
+
+Eigen::Matrix3d planar_covariance(const Matrix6d& covariance) {
+    const Eigen::Index rows[] = {0, 1, 5};
+    Eigen::Matrix3d planar;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) planar(i, j) = covariance(rows[i], rows[j]);
+    return planar;
+}
+
+void compare_with_truth(const FinitePoses& estimate, const EvaluationReference& reference,
+                        RunEvaluation& evaluation) {
+    const auto pairs = associate_by_stamp(estimate.poses, reference.truth, max_difference_s);
+    if (pairs.empty()) {
+        evaluation.warnings.push_back("no pose of the run is within " +
+                                      std::to_string(max_difference_s).substr(0, 3) +
+                                      " s of a pose of the truth " + reference.truth_path);
+        return;
+    }
+    auto& metrics = evaluation.metrics;
+    const AbsoluteError ate = absolute_error(pairs, Alignment::automatic);
+    metrics["truth_poses_used"] = static_cast<std::int64_t>(pairs.size());
+    metrics["ate_rmse_m"] = ate.distance_m.rmse;
+    metrics["ate_mean_m"] = ate.distance_m.mean;
+    metrics["ate_median_m"] = ate.distance_m.median;
+    metrics["ate_max_m"] = ate.distance_m.max;
+
+    // A run's map frame is its first pose: the truth is brought there by that pose alone.
+    const Pose3 T_map_ref = pairs[0].T_map_base_estimate * pairs[0].T_ref_base_reference.inverse();
+    const PosePair& last = pairs.back();
+    metrics["end_error_m"] =
+        (last.T_map_base_estimate.translation_m - T_map_ref * last.T_ref_base_reference.translation_m).norm();
+
+    double nees_sum = 0;
+    std::int64_t nees_count = 0;
+    for (const auto& pair : pairs) {
+        const auto nees =
+            pose_nees(pair.T_map_base_estimate.planar(), (T_map_ref * pair.T_ref_base_reference).planar(),
+                      planar_covariance(estimate.entry[pair.estimate_index]->covariance));
+        if (nees) nees_sum += *nees, ++nees_count;
+    }
+    if (nees_count > 0) metrics["nees_mean"] = nees_sum / static_cast<double>(nees_count);
+}
+
+void compare_with_relations(const FinitePoses& estimate, const EvaluationReference& reference,
+                            RunEvaluation& evaluation) {
+    const RelationsError error = relations_error(reference.relations, estimate.poses, {});
+    evaluation.metrics["relations_used"] = static_cast<std::int64_t>(error.translation_m.count);
+    if (error.translation_m.count == 0) {
+        evaluation.warnings.push_back("no relation of " + reference.relations_path +
+                                      " lies within the time of the run");
+        return;
+    }
+    evaluation.metrics["relations_translation_mean_m"] = error.translation_m.mean;
+    evaluation.metrics["relations_translation_max_m"] = error.translation_m.max;
+    evaluation.metrics["relations_rotation_mean_deg"] = error.rotation_deg.mean;
+    evaluation.metrics["relations_rotation_max_deg"] = error.rotation_deg.max;
+}
+
+}  // namespace
+
+std::shared_ptr<const EvaluationReference> load_evaluation_reference(const EvaluationSettings& settings) {
+    if (settings.truth.empty() && settings.relations.empty()) return nullptr;
+    auto reference = std::make_shared<EvaluationReference>();
+    reference->truth_path = settings.truth;
+    reference->relations_path = settings.relations;
+    if (!settings.truth.empty())
+        reference->truth = read_trajectory(settings.truth, "[evaluation] truth").poses;
+    if (!settings.relations.empty()) reference->relations = read_relations(settings.relations);
+    return reference;
+}
+
+RunEvaluation evaluate_run(const Trajectory& trajectory,
+                           const std::shared_ptr<const EvaluationReference>& reference) {
+    RunEvaluation evaluation;
+    if (!reference) return evaluation;
+    const FinitePoses estimate = latest_estimate(trajectory);
+    if (!reference->truth.empty()) compare_with_truth(estimate, *reference, evaluation);
+    if (!reference->relations.empty()) compare_with_relations(estimate, *reference, evaluation);
+    return evaluation;
+}
+
+}  // namespace loopline

@@ -1,0 +1,49 @@
+#include "evaluate/read_trajectory.h"
+
+#include "commands/command.h"
+#include "evaluate/text_rows.h"
+
+namespace loopline {
+namespace {
+
+StampedPose planar_pose(const TextRow& row) {
+    return {row.stamp(0), Pose3(Pose2{row.number(1), row.number(2), row.number(3)})};
+}
+
+StampedPose kitti_pose(const TextRow& row, std::size_t index) {
+    Eigen::Matrix<double, 3, 4> T;
+    for (int i = 0; i < 12; ++i) T(i / 4, i % 4) = row.number(static_cast<std::size_t>(i));
+    const Eigen::Matrix3d R = T.leftCols<3>();
+    if (!(R * R.transpose()).isIdentity(0.01) || R.determinant() < 0)
+        row.fail("the first three columns of the 3x4 transform are no rotation");
+    return {static_cast<StampNs>(index) * 1'000'000'000, {T.col(3), Eigen::Quaterniond(R).normalized()}};
+}
+
+}  // namespace
+
+TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::string& what) {
+    TrajectoryFile trajectory;
+    std::size_t columns = 0;
+    for_each_row(file, what, [&](const TextRow& row) {
+        if (columns == 0) {
+            columns = row.size();
+            trajectory.has_stamps = columns != 12;
+            if (columns != 4 && columns != 8 && columns != 12)
+                row.fail("a trajectory has 8 columns (TUM), 4 (t x y theta) or 12 (KITTI), this line has " +
+                         std::to_string(columns));
+        }
+        if (row.size() != columns)
+            row.fail("this line has " + std::to_string(row.size()) + " columns, the first one has " +
+                     std::to_string(columns));
+        if (columns == 4) trajectory.poses.push_back(planar_pose(row));
+        if (columns == 12) trajectory.poses.push_back(kitti_pose(row, trajectory.poses.size()));
+    });
+    if (columns == 8) trajectory.poses = read_tum(file);
+    if (trajectory.poses.empty())
+        throw CommandError(exit_input_data, file.string() + " has no pose in it; give " + what +
+                                                " as TUM (t x y z qx qy qz qw), "
+                                                "\"t x y theta\" or KITTI poses");
+    return trajectory;
+}
+
+}  // namespace loopline

@@ -1,0 +1,41 @@
+/// Rows of numbers in a text file, with what a sentence about a wrong one needs.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/stamp.h"
+
+namespace loopline {
+
+/// The words of one line of a text file.
+class TextRow {
+ public:
+    TextRow(const std::filesystem::path& file, std::size_t line, std::vector<std::string> words)
+        : file_(file), line_(line), words_(std::move(words)) {}
+
+    std::size_t size() const { return words_.size(); }
+    /// Finite; otherwise fail().
+    double number(std::size_t column) const;
+    /// Seconds, all of their decimals kept to the nanosecond; otherwise fail().
+    StampNs stamp(std::size_t column) const;
+    /// Throws CommandError(exit_input_data) "FILE:LINE: ".
+    [[noreturn]] void fail(const std::string& sentence) const;
+
+ private:
+    std::filesystem::path file_;
+    std::size_t line_;
+    std::vector<std::string> words_;
+};
+
+/// Calls `take` for every line but those that are blank or begin with "#" or "%". Throws
+/// CommandError(exit_input_data) if the file can't be read; `what` says what it should have been ("the
+/// relations").
+void for_each_row(const std::filesystem::path& file, const std::string& what,
+                  const std::function<void(const TextRow&)>& take);
+
+}  // namespace loopline
