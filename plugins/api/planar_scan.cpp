@@ -24,6 +24,7 @@ bool to_planar_scan(const mrpt::obs::CObservation2DRangeScan& observation, Plana
     scan.first_angle_rad = -0.5 * observation.aperture;
     scan.angle_step_rad = observation.aperture / static_cast<double>(beams - 1);
     scan.max_range_m = std::isfinite(observation.maxRange) && observation.maxRange > 0 ? observation.maxRange : 1e3;
+    scan.sigma_range_m = std::isfinite(observation.stdError) && observation.stdError > 0 ? observation.stdError : 0;
     scan.T_base_sensor = T_base_sensor;
     scan.ranges_m.resize(beams);
     for (std::size_t i = 0; i < beams; ++i) {

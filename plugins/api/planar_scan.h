@@ -20,6 +20,7 @@ struct PlanarScan {
     /// Range per beam; 0 where there is no usable return (invalid, NaN, infinite, not positive, at or beyond max range).
     std::vector<float> ranges_m;
     Pose2 T_base_sensor;         ///< where the sensor sits on the vehicle, projected on the ground plane
+    double sigma_range_m = 0;    ///< range noise as the sensor states it; 0 where it does not
 
     std::size_t size() const { return ranges_m.size(); }
     bool has_return(std::size_t beam) const { return ranges_m[beam] > 0; }

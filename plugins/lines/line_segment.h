@@ -17,12 +17,15 @@ struct LineSegment {
     Eigen::Vector2d start_m = Eigen::Vector2d::Zero();     ///< first beam's point, projected on the line
     Eigen::Vector2d end_m = Eigen::Vector2d::Zero();       ///< last beam's point, projected on the line
     std::size_t first_beam = 0;
-    std::size_t last_beam = 0;   ///< inclusive; beams in between may belong to no or another line after a merge
+    std::size_t last_beam =
+        0;  ///< inclusive; beams in between may belong to no or another line after a merge
     std::size_t beam_count = 0;  ///< points in the fit
     double rms_m = 0;            ///< of the points' distances from the line
 
     double length_m() const { return (end_m - start_m).norm(); }
-    Eigen::Vector2d foot_point_m() const { return {rho_m * std::cos(alpha_rad), rho_m * std::sin(alpha_rad)}; }
+    Eigen::Vector2d foot_point_m() const {
+        return {rho_m * std::cos(alpha_rad), rho_m * std::sin(alpha_rad)};
+    }
 };
 
 using LineSegments = std::vector<LineSegment>;

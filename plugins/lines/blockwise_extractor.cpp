@@ -1,0 +1,16 @@
+#include "lines/blockwise_extractor.h"
+
+namespace loopline::lines {
+
+void BlockwiseExtractor::extract(const PlanarScan& scan, LineSegments& segments) {
+    points_.load(scan);
+    noise_ = stated_noise(parameters_, scan.sigma_range_m);
+    noise_.scale(measured_noise_factor(points_, noise_, scratch_));
+    split_at_gaps(points_, parameters_, noise_, blocks_);
+    pieces_.clear();
+    for (const Interval& block : blocks_)
+        if (block.size() >= 3) split(block);
+    assembler_.assemble(points_, pieces_, noise_, parameters_, segments);
+}
+
+}  // namespace loopline::lines

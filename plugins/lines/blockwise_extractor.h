@@ -1,0 +1,34 @@
+/// What all methods share: gaps first, then blocks into straight pieces by the method's own way, then lines
+/// of pieces.
+#pragma once
+
+#include "lines/extraction_parameters.h"
+#include "lines/line_assembler.h"
+#include "lines/line_extractor.h"
+
+namespace loopline::lines {
+
+class BlockwiseExtractor : public LineExtractor {
+ public:
+    explicit BlockwiseExtractor(const ExtractionParameters& parameters) : parameters_(parameters) {}
+    void extract(const PlanarScan& scan, LineSegments& segments) final;
+
+ protected:
+    /// Appends the straight pieces of `block`, a run without gaps, to `pieces_`, in order.
+    virtual void split(const Interval& block) = 0;
+    void split_rest(const Interval& run) {
+        split_until_straight(points_, run, noise_, parameters_.max_bow, pieces_, stack_);
+    }
+
+    const ExtractionParameters parameters_;
+    ScanPoints points_;
+    NoiseModel noise_;
+    std::vector<Piece> pieces_;
+
+ private:
+    std::vector<Interval> blocks_, stack_;
+    std::vector<double> scratch_;
+    LineAssembler assembler_;
+};
+
+}  // namespace loopline::lines

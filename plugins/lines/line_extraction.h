@@ -1,0 +1,36 @@
+/// The module `lines`: scans in, line observations out.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "api/module.h"
+#include "lines/extraction_parameters.h"
+#include "lines/line_extractor.h"
+
+namespace loopline {
+
+class LineExtraction : public Module {
+    DEFINE_MRPT_OBJECT(LineExtraction, loopline)
+ public:
+    ModuleInfo info() const override;
+    ParameterTable parameters() override;
+    void start(const RunContext&) override;
+    /// Publishes a CObservationLines with the stamp of the scan, also when the scan holds no line.
+    void process(const StreamItem& item, Publisher& publisher) override;
+    void finish(Results& results) override;
+
+ private:
+    bool wanted(const std::string& sensor_label) const;
+
+    lines::ExtractionParameters extraction_;
+    std::vector<std::string> sensors_;  ///< labels; empty: all
+    std::string label_ = "lines";
+
+    std::unique_ptr<lines::LineExtractor> extractor_;
+    PlanarScan scan_;
+    std::int64_t scans_ = 0, unusable_scans_ = 0, segments_ = 0;
+};
+
+}  // namespace loopline

@@ -1,0 +1,47 @@
+/// How far a return may lie from the wall that it comes from. The residual of a beam with incidence angle phi
+/// on a line (rho, alpha) is d = r cos(phi) - rho, phi = bearing - alpha. Range noise e moves it by e
+/// cos(phi), a beam that points off by b moves it by b t with t = rho tan(phi) the hit's place along the
+/// wall, and unevenness u of the wall moves it by u itself:
+///
+///     var(d) = sigma_range^2 cos^2(phi) + sigma_bearing^2 t^2 + sigma_wall^2
+#pragma once
+
+#include <vector>
+
+#include "lines/extraction_parameters.h"
+#include "lines/scan_points.h"
+
+namespace loopline::lines {
+
+struct NoiseModel {
+    double range_variance_m2 = 0;
+    double bearing_variance_rad2 = 0;
+    double wall_variance_m2 = 0;
+
+    double variance_m2(double cos2_incidence, double t_m) const {
+        return range_variance_m2 * cos2_incidence + bearing_variance_rad2 * t_m * t_m + wall_variance_m2;
+    }
+    /// Mean of var(d) over points with these moments on a line at distance rho: cos(phi) = rho / r.
+    double mean_variance_m2(const Moments& m, double rho_m) const {
+        const double mean_cos2 = rho_m * rho_m * m.inverse_rr / m.n;
+        const double mean_tt = (m.xx + m.yy) / m.n - rho_m * rho_m;
+        return range_variance_m2 * (mean_cos2 < 1 ? mean_cos2 : 1) +
+               bearing_variance_rad2 * (mean_tt > 0 ? mean_tt : 0) + wall_variance_m2;
+    }
+    void scale(double factor) {
+        range_variance_m2 *= factor;
+        bearing_variance_rad2 *= factor;
+        wall_variance_m2 *= factor;
+    }
+};
+
+/// The stated noise: of the parameters, or of the scan where they leave it open, 1 cm where neither says.
+NoiseModel stated_noise(const ExtractionParameters& parameters, double scan_sigma_range_m);
+
+/// By how much the variances of the scan's own point-to-point scatter exceed the model; 1 if they don't
+/// clearly. A stated noise that is too low would break every wall into pieces, and it often is: logs carry
+/// default values, and range noise grows with distance. The median over all triples of neighbours ignores
+/// corners and clutter. `scratch` is working memory.
+double measured_noise_factor(const ScanPoints& points, const NoiseModel& noise, std::vector<double>& scratch);
+
+}  // namespace loopline::lines

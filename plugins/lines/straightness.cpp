@@ -1,0 +1,78 @@
+#include "lines/straightness.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace loopline::lines {
+namespace {
+
+constexpr double z_limit = 3.09;  // one-sided, 0.1 %
+constexpr double bend_sigmas = 4;
+
+double mean_distance_m(const NormalForm& line, const Moments& m) {
+    return (line.nx * m.x + line.ny * m.y) / m.n - line.rho_m;
+}
+
+/// Mean square of the residuals that a parabola over the line leaves.
+double left_by_parabola_m2(const ScanPoints& points, const Interval& run, const QuickFit& fit) {
+    const double centre_x = 0.5 * (points[run.begin].x_m + points[run.end - 1].x_m);
+    const double centre_y = 0.5 * (points[run.begin].y_m + points[run.end - 1].y_m);
+    const double centre_t = fit.line.along_m(centre_x, centre_y);
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    double sum_dd = 0;
+    for (std::size_t i = run.begin; i < run.end; ++i) {
+        const double t = fit.line.along_m(points[i].x_m, points[i].y_m) - centre_t;
+        const double d = fit.line.distance_m(points[i].x_m, points[i].y_m);
+        const Eigen::Vector3d powers(1, t, t * t);
+        normal.noalias() += powers * powers.transpose();
+        right += d * powers;
+        sum_dd += d * d;
+    }
+    const double explained = right.dot(normal.ldlt().solve(right));
+    return std::max(0.0, sum_dd - explained) / static_cast<double>(run.size());
+}
+
+}  // namespace
+
+double chi2_per_degree_limit(double degrees_of_freedom) {
+    const double v = 2 / (9 * degrees_of_freedom);
+    const double root = 1 - v + z_limit * std::sqrt(v);
+    return root * root * root;
+}
+
+Straightness straightness(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
+                          double max_bow) {
+    Straightness result;
+    const Moments all = points.moments(run);
+    const double n = all.n;
+    result.fit = quick_fit(all);
+    const double variance_m2 = noise.mean_variance_m2(all, result.fit.line.rho_m);
+    const double length_m = std::sqrt(12 * result.fit.along_m2);
+
+    // A parabola of sagitta s lies (s/4) further out in its middle half than the line, and (s/4) further in
+    // at the quarters beside; the mean square of its residuals is (4/45) s^2. The contrast of those means has
+    // variance 4/n.
+    if (run.size() >= 4) {
+        const std::size_t quarter = run.size() / 4;
+        const Moments middle = points.moments({run.begin + quarter, run.end - quarter});
+        const Moments outer = all - middle;
+        const double contrast_m =
+            mean_distance_m(result.fit.line, middle) - mean_distance_m(result.fit.line, outer);
+        result.sagitta_m = 2 * contrast_m;
+        result.sigma_sagitta_m = 2 * std::sqrt(variance_m2 * (1 / middle.n + 1 / outer.n));
+    }
+    const double bow_m = max_bow * length_m;
+    const double parabola_m2 = 4.0 / 45.0;
+    const double limit = chi2_per_degree_limit(n - 2) * (n - 2) / n;
+    const bool bent = std::abs(result.sagitta_m) > bow_m + bend_sigmas * result.sigma_sagitta_m;
+    if (!bent && result.fit.across_m2 <= limit * variance_m2 + parabola_m2 * bow_m * bow_m) {
+        result.shape = Shape::straight;
+    } else if (bent) {
+        if (left_by_parabola_m2(points, run, result.fit) <= limit * variance_m2) result.shape = Shape::arc;
+    }
+    return result;
+}
+
+}  // namespace loopline::lines

@@ -1,0 +1,32 @@
+/// Is a run of points a straight wall, a bent one, or neither? Decided from running sums alone.
+#pragma once
+
+#include <vector>
+
+#include "lines/line_fit.h"
+
+namespace loopline::lines {
+
+/// Factor by which the mean square of `degrees_of_freedom` unit normal residuals stays below in all but 0.1 %
+/// of cases. Wilson and Hilferty 1931.
+double chi2_per_degree_limit(double degrees_of_freedom);
+
+enum class Shape {
+    straight,
+    arc,     ///< one smooth bend: no line, and no chain of short chords either
+    broken,  ///< corners, steps or clutter: to be split
+};
+
+struct Straightness {
+    Shape shape = Shape::broken;
+    QuickFit fit;
+    double sagitta_m =
+        0;  ///< of the bend; positive where the middle lies beyond the line, seen from the sensor
+    double sigma_sagitta_m = 0;  ///< from noise
+};
+
+/// `run` has at least three points. A wall may bow by `max_bow` of its length.
+Straightness straightness(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
+                          double max_bow);
+
+}  // namespace loopline::lines
