@@ -185,11 +185,11 @@ TEST(ObservationLines, damaged_files_end_in_an_exception) {
         stream.Seek(0);
         auto archive = archiveFrom(stream);
         try {
-            if (read) {
-            if (read)
-                for (const auto& s : read->segments)
+            const auto lines = std::dynamic_pointer_cast<CObservationLines>(archive.ReadObject());
+            if (!lines) continue;
+            for (const auto& s : lines->segments) {
+                EXPECT_TRUE(std::isfinite(s.rho_m) && s.covariance.allFinite());
             }
-                    EXPECT_TRUE(std::isfinite(s.rho_m) && s.covariance.allFinite());
         } catch (const std::exception&) {
             ++refused;
         }
