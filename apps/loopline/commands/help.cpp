@@ -12,10 +12,15 @@
 namespace loopline {
 namespace {
 
-/// CLI11 makes up type names such as TEXT or FLOAT; only one that was chosen says something.
+/// CLI11 makes up type names such as FLOAT:POSITIVE or ENUM:value in {...}: said in a word.
 std::string value_word(const CLI::Option& option) {
     const std::string type = option.get_type_name();
-    return type.empty() ? "VALUE" : type;
+    const auto is = [&](const std::string& name) { return type == name || type.rfind(name + ":", 0) == 0; };
+    if (is("FLOAT")) return "NUMBER";
+    if (is("INT") || is("UINT")) return "N";
+    if (is("ENUM")) return "WORD";
+    if (is("TEXT") || is("")) return "TEXT";
+    return type;
 }
 
 bool takes_value(const CLI::Option& option) {
@@ -116,8 +121,9 @@ std::string option_word(const CLI::Option& option) {
         return option.get_lnames().empty() ? "-" + option.get_snames().front()
                                            : "--" + option.get_lnames().front();
     const std::string type = option.get_type_name();
-    const bool made_up = type.empty() || type == "TEXT" || type == "INT" || type == "UINT" || type == "FLOAT";
-    std::string name = made_up ? option.get_name(true) : type;
+    const std::string word = value_word(option);
+    const bool made_up = word != type || word == "TEXT";
+    std::string name = made_up ? option.get_name(true) : word;
     if (made_up)
         std::transform(name.begin(), name.end(), name.begin(),
                        [](unsigned char c) { return std::toupper(c); });
