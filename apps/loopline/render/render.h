@@ -5,22 +5,28 @@
 #include <string>
 #include <vector>
 
+#include "render/picture_size.h"
 #include "render/scene_content.h"
 
 namespace loopline {
 
-enum class View { top, axonometric, follow };
-
-struct PictureSize {
-    int width_px = 1280;
-    int height_px = 960;
+enum class View {
+    top,           ///< plan: scan points, walls, paths, occupancy grid
+    axonometric,   ///< parallel projection from above and aside, walls raised
+    follow,        ///< from behind the vehicle at its last pose
+    before_after,  ///< scan points by dead reckoning and by the estimate, side by side at one scale
 };
 
-/// One picture with title, legend and scale bar, as PNG.
-void render_picture(const SceneContent& content, View view, PictureSize size, const std::filesystem::path& png);
+/// One picture with title, legend and scale bar, as PNG; empty content gives a picture that says so. `size`
+/// must be allowed (picture_size.h). Throws CommandError if the file can't be written or a spatial view can't
+/// be rendered here.
+void render_picture(const SceneContent& content, View view, PictureSize size,
+                    const std::filesystem::path& png);
 
-/// The set that every run writes into `folder` (top, axonometric, before_after), in a fixed order; returns the files.
-std::vector<std::filesystem::path> write_snapshots(const SceneContent& content, const std::filesystem::path& folder);
+/// The set that every run writes into `folder` (top, axonometric, before_after), in a fixed order; returns
+/// the files.
+std::vector<std::filesystem::path> write_snapshots(const SceneContent& content,
+                                                   const std::filesystem::path& folder);
 
 /// MRPT's .3Dscene of the same content.
 void write_3d_scene(const SceneContent& content, const std::filesystem::path& file);

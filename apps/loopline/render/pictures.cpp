@@ -1,0 +1,78 @@
+/// The pictures as files.
+#include <iostream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "commands/command.h"
+#include "output/output_file.h"
+#include "render/plan_views.h"
+#include "render/render.h"
+#include "render/spatial_scene.h"
+#include "render/spatial_views.h"
+
+namespace loopline {
+
+void render_picture(const SceneContent& content, View view, PictureSize size,
+                    const std::filesystem::path& png) {
+    cv::Mat picture;
+    switch (view) {
+        case View::top:
+            picture = draw_top_view(content, size);
+            break;
+        case View::axonometric:
+            picture = draw_axonometric_view(content, size);
+            break;
+        case View::follow:
+            picture = draw_follow_view(content, size);
+            break;
+        case View::before_after:
+            picture = draw_before_after(content, size);
+            break;
+    }
+    std::vector<unsigned char> bytes;
+    cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 7});
+    write_whole_file(png, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+std::vector<std::filesystem::path> write_snapshots(const SceneContent& content,
+                                                   const std::filesystem::path& folder) {
+    const std::pair<View, const char*> views[] = {{View::top, "top.png"},
+                                                  {View::axonometric, "axonometric.png"},
+                                                  {View::before_after, "before_after.png"}};
+    std::vector<std::filesystem::path> files;
+    std::filesystem::create_directories(folder);
+    for (const auto& [view, name] : views) {
+        if (view == View::before_after && content.odometry_path.empty() && content.points_odometry_m.empty())
+            continue;
+        try {
+            render_picture(content, view, {}, folder / name);
+            files.push_back(folder / name);
+        } catch (const CommandError& error) {
+            // Without a working OpenGL the plans are still worth having.
+            if (view != View::axonometric) throw;
+            std::cerr << "loopline: " << error.what() << '\n';
+        }
+    }
+    return files;
+}
+
+void write_3d_scene(const SceneContent& content, const std::filesystem::path& file) {
+    SceneSizes sizes = sizes_for_overview(content);
+    sizes.most_points = 2'000'000;
+    auto scene = make_spatial_scene(content, sizes);
+    scene->getViewport()->setCustomBackgroundColor({1.f, 1.f, 1.f});
+    auto partial = file;
+    partial.replace_filename("." + file.filename().string() + ".partial");
+    std::error_code error;
+    bool saved = false;
+    try {
+        saved = scene->saveToFile(partial.string());
+    } catch (const std::exception&) {
+        // MRPT throws for a folder that is not there; the sentence below is for both.
+    }
+    if (saved) std::filesystem::rename(partial, file, error);
+    if (!saved || error)
+        throw CommandError(exit_configuration,
+                           "Can't write " + file.string() + "; is the folder there and writable?");
+}
+
+}  // namespace loopline

@@ -1,0 +1,36 @@
+/// The map seen from above, drawn with OpenCV.
+#pragma once
+
+#include <mrpt/maps/COccupancyGridMap2D.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "api/line_map.h"
+#include "api/pose3.h"
+#include "render/figure.h"
+
+namespace loopline {
+
+/// The grid as a faint background: free cells lighter than occupied ones, unknown cells not at all.
+void draw_grid(Canvas& canvas, const MapWindow& window, const mrpt::maps::COccupancyGridMap2D& grid);
+
+/// How points are coloured: one colour, or by height between two limits.
+struct PointStyle {
+    Colour colour = palette::scan_point;
+    bool by_height = false;
+    double lowest_m = 0, highest_m = 1;
+};
+
+/// Points as a density: every point counts, none of three million hides what is under it, and a single one is
+/// still seen.
+void draw_points(Canvas& canvas, const MapWindow& window, const std::vector<Eigen::Vector3f>& points_m,
+                 const PointStyle& style, double point_px);
+
+void draw_walls(Canvas& canvas, const MapWindow& window, const LineMap& lines, double width_px);
+
+/// A path with a light border, so that it stays apart from what it crosses.
+void draw_path(Canvas& canvas, const MapWindow& window, const std::vector<Pose3>& path, Colour colour,
+               double width_px, bool dashed);
+
+}  // namespace loopline
