@@ -61,6 +61,13 @@ class Loader {
         return entry ? entry->origin : section->origin;
     }
 
+    /// Whether a list has an element, be it a wrong one that was reported.
+    bool names_any(const std::string& section_name, const std::string& key) {
+        auto* section = file_.find(section_name);
+        const auto* entry = section ? section->find(key) : nullptr;
+        return entry && !split_words(entry->list_value, "; ").empty();
+    }
+
     void forget_entry(const std::string& section_name, const std::string& key) {
         if (auto* section = file_.find(section_name))
             section->entries.erase(std::remove_if(section->entries.begin(), section->entries.end(),
@@ -159,10 +166,7 @@ class Loader {
     void check_rawlogs(bool from_command_line) {
         auto& rawlogs = experiment_.run.rawlogs;
         const Origin origin = origin_of("run", "rawlog");
-        const bool wrong_already = std::any_of(problems_.begin(), problems_.end(), [&](const Problem& p) {
-            return p.origin.text == origin.text;
-        });
-        if (rawlogs.empty() && !wrong_already)
+        if (rawlogs.empty() && !names_any("run", "rawlog"))
             report(origin, "[run] rawlog names no log; name one there, or with --rawlog");
         for (auto& rawlog : rawlogs) {
             if (from_command_line) rawlog = fs::absolute(rawlog).lexically_normal().string();

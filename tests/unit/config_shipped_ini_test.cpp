@@ -1,0 +1,31 @@
+/// Every experiment file of the source tree is right, and its effective configuration reads back to itself.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "config/experiment.h"
+#include "support/run_program.h"
+
+using namespace loopline;
+
+TEST(ShippedIni, every_one_is_right_and_reads_back) {
+    namespace fs = std::filesystem;
+    std::vector<fs::path> files;
+    for (const char* folder : {"real", "sim"}) {
+        std::error_code none;
+        for (const auto& entry :
+             fs::directory_iterator(fs::path(LOOPLINE_SOURCE_FOLDER) / "ini" / folder, none))
+            if (entry.path().extension() == ".ini") files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    if (files.empty()) GTEST_SKIP() << "no experiment file in ini/real or ini/sim";
+    const test::TemporaryFolder folder;
+    // Whether the logs are on this machine is another question.
+    const std::vector<std::string> no_data{"evaluation.truth=", "evaluation.relations="};
+    for (const auto& file : files) {
+        SCOPED_TRACE(file.string());
+        const auto first = load_experiment(file.string(), no_data, {"/dev/null"});
+        const auto again = load_experiment(folder.write("config.ini", first.effective_ini), {}, {});
+        EXPECT_EQ(first.effective_ini, again.effective_ini);
+    }
+}
