@@ -100,6 +100,13 @@ OutputFile& OutputFile::number(double value) {
     return *this;
 }
 
+OutputFile& OutputFile::number(float value) {
+    assert(std::isfinite(value));
+    char* first = room(longest_number);
+    used_ += static_cast<std::size_t>(std::to_chars(first, first + longest_number, value + 0.0f).ptr - first);
+    return *this;
+}
+
 OutputFile& OutputFile::seconds(StampNs stamp_ns) {
     const std::uint64_t magnitude =
         stamp_ns < 0 ? 0 - static_cast<std::uint64_t>(stamp_ns) : static_cast<std::uint64_t>(stamp_ns);
@@ -111,11 +118,6 @@ OutputFile& OutputFile::seconds(StampNs stamp_ns) {
     at = write_digits(at, magnitude % ns_per_s, 9);
     used_ += static_cast<std::size_t>(at - first);
     return *this;
-}
-
-OutputFile& OutputFile::binary_float(float value) {
-    static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "swap the bytes here on a big-endian machine");
-    return bytes(&value, sizeof value);
 }
 
 void OutputFile::commit() {

@@ -29,10 +29,10 @@ class OutputFile {
     /// Shortest decimal text that reads back to the same double; "-0" is written "0". `value` must be finite:
     /// who has a value that may not be leaves its record out and says so.
     OutputFile& number(double value);
+    /// The same for a float, which needs fewer digits.
+    OutputFile& number(float value);
     /// Seconds with nine decimals, all of them from the integer.
     OutputFile& seconds(StampNs stamp_ns);
-    /// Little-endian IEEE 754, as PLY and PCD want it.
-    OutputFile& binary_float(float value);
 
     /// Writes what is left, closes and renames.
     void commit();
