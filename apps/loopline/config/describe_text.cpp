@@ -1,5 +1,6 @@
 /// The catalogue for a terminal.
 #include <algorithm>
+#include <sstream>
 
 #include "commands/terminal.h"
 #include "config/catalogue.h"
@@ -54,27 +55,50 @@ std::vector<Row> rows_of(const ParameterTable& table) {
     return rows;
 }
 
-/// Columns while the sentences keep room, else each key over its facts.
+std::vector<std::string> lines_of(const std::string& text, std::size_t width) {
+    std::vector<std::string> lines;
+    std::istringstream stream(wrapped(text, width, 0, 0));
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+}
+
+/// A row whose last two cells may take several lines.
+std::string table_row(const Row& row, std::size_t key, std::size_t value, std::size_t allowed,
+                      std::size_t width) {
+    const std::size_t start = key + value + allowed + 8;
+    const auto allowed_lines = lines_of(row.allowed, allowed + 1),
+               sentence_lines = lines_of(row.sentence, width - start);
+    std::string text;
+    for (std::size_t i = 0; i < std::max(allowed_lines.size(), sentence_lines.size()); ++i) {
+        std::string line =
+            "  " + padded(i == 0 ? row.key : "", key + 2) + padded(i == 0 ? row.value : "", value + 2);
+        line += padded(i < allowed_lines.size() ? allowed_lines[i] : "", allowed + 2);
+        line += i < sentence_lines.size() ? sentence_lines[i] : "";
+        text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    }
+    return text;
+}
+
+/// Columns while the sentences keep room, else each key over its sentence.
 std::string parameter_rows(const std::vector<Row>& rows, std::size_t width) {
+    constexpr std::size_t widest_allowed = 20, narrowest_sentence = 28;
     std::size_t key = 3, value = 7, allowed = 7;
     for (const auto& row : rows) {
         key = std::max(key, display_width(row.key));
         value = std::max(value, display_width(row.value));
-        allowed = std::max(allowed, display_width(row.allowed));
+        for (const auto& line : lines_of(row.allowed, widest_allowed))
+            allowed = std::max(allowed, display_width(line));
     }
-    const std::size_t start = 2 + key + 2 + value + 2 + allowed + 2;
     std::string text;
-    if (start + 30 <= width) {
-        text = padded("  KEY", 4 + key) + padded("DEFAULT", value + 2) + padded("ALLOWED", allowed + 2) +
-               "WHAT\n";
-        for (const auto& row : rows)
-            text += "  " + padded(row.key, key + 2) + padded(row.value, value + 2) +
-                    padded(row.allowed, allowed + 2) + wrapped(row.sentence, width, start, start) + "\n";
+    if (key + value + allowed + 8 + narrowest_sentence <= width) {
+        text = table_row({"KEY", "DEFAULT", "ALLOWED", "WHAT"}, key, value, allowed, width);
+        for (const auto& row : rows) text += table_row(row, key, value, allowed, width);
         return text;
     }
     for (const auto& row : rows) {
-        text += "  " + row.key + "\n      " + wrapped(row.sentence, width, 6, 6) + "\n      " +
-                wrapped("default " + row.value + "; allowed: " + row.allowed, width, 6, 6) + "\n";
+        const std::string head = "  " + row.key + " = " + row.value + "  ";
+        text += head + wrapped("(" + row.allowed + ")", width, 6, display_width(head)) + "\n      " +
+                wrapped(row.sentence, width, 6, 6) + "\n";
     }
     return text;
 }
