@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <iomanip>
 #include <limits>
@@ -90,6 +91,18 @@ TEST(OutputRunDirectory, a_second_run_leaves_no_file_of_the_first_and_no_other_f
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"config.ini", "manifest.json",
                                                                  "metrics.json", "notes.txt", "snapshots"}));
     EXPECT_FALSE(fs::exists(folder / "snapshots/top.png"));
+}
+
+TEST(OutputRunDirectory, what_this_run_has_already_written_stays) {
+    const Folder folder;
+    std::ofstream(folder / "recorded.rawlog") << "first";
+    write_run_directory(folder.path(), RunRecord(), {});
+    add_to_manifest(folder.path(), {"recorded.rawlog"});
+    std::ofstream(folder / "recorded.rawlog") << "second";
+    fs::last_write_time(folder / "recorded.rawlog",
+                        fs::last_write_time(folder / "manifest.json") + std::chrono::milliseconds(1));
+    write_run_directory(folder.path(), RunRecord(), {});
+    EXPECT_EQ(content(folder / "recorded.rawlog"), "second");
 }
 
 TEST(OutputRunDirectory, a_hostile_manifest_removes_nothing_outside) {

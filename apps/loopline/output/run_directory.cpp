@@ -27,16 +27,27 @@ void write_trajectories(const std::filesystem::path& folder, const RunRecord& re
     if (record.odometry) tum("odometry.tum", *record.odometry, Estimate::latest);
 }
 
-/// A manifest may come from anywhere: nothing outside of the folder is touched.
-bool stays_inside(const std::filesystem::path& file) {
-    return !file.empty() && file.is_relative() &&
-           std::none_of(file.begin(), file.end(), [](const auto& part) { return part == ".."; });
+/// Files of an earlier run in this folder: its manifest lists them, and they are not newer than it (the
+/// present run may have written recorded.rawlog already). A manifest may come from anywhere: nothing outside
+/// of the folder counts.
+std::vector<std::string> files_of_earlier_run(const std::filesystem::path& folder) {
+    const auto leads_out = [](const std::filesystem::path& file) {
+        return file.empty() || file.is_absolute() ||
+               std::any_of(file.begin(), file.end(), [](const auto& part) { return part == ".."; });
+    };
+    std::error_code none;  // a file that is gone is not newer
+    const auto written = std::filesystem::last_write_time(folder / "manifest.json", none);
+    std::vector<std::string> files;
+    for (const auto& file : files_in_manifest(folder))
+        if (!leads_out(file) && std::filesystem::last_write_time(folder / file, none) <= written)
+            files.push_back(file);
+    return files;
 }
 
 void remove_stale(const std::filesystem::path& folder, const std::vector<std::string>& before,
                   const std::vector<std::string>& now) {
     for (const auto& file : before) {
-        if (!stays_inside(file) || std::find(now.begin(), now.end(), file) != now.end()) continue;
+        if (std::find(now.begin(), now.end(), file) != now.end()) continue;
         std::error_code ignored;  // it may be gone already
         std::filesystem::remove(folder / file, ignored);
     }
@@ -46,7 +57,7 @@ void remove_stale(const std::filesystem::path& folder, const std::vector<std::st
 
 void write_run_directory(const std::filesystem::path& folder, const RunRecord& record,
                          const OutputSettings& outputs) {
-    const auto before = files_in_manifest(folder);
+    const auto before = files_of_earlier_run(folder);
     FileList list;
     if (outputs.trajectory) write_trajectories(folder, record, list);
     if (outputs.maps) write_map_files(folder, record.results, list);
