@@ -52,46 +52,54 @@ AngleThreshold::Turn AngleThreshold::turn_at(const Interval& block, std::size_t 
 }
 
 void AngleThreshold::find_corners(const Interval& block) {
-    turns_.assign(block.size(), 0);
-    reach_.assign(block.size(), shortest_chord);
-    std::size_t chord_points = shortest_chord;
-    for (std::size_t point = block.begin + shortest_chord - 1; point + shortest_chord <= block.end; ++point) {
+    turns_.clear();
+    std::size_t chord_points = shortest_chord, stride = 1;
+    for (std::size_t point = block.begin + shortest_chord - 1; point + shortest_chord <= block.end;
+         point += stride) {
         // Neighbours need about the same chords: try one point less than the last did, then grow.
         chord_points = std::max(shortest_chord, chord_points - 1);
         Turn turn = turn_at(block, point, chord_points);
         while (turn.variance > wanted_variance_ &&
-               (point - block.begin >= chord_points || point + chord_points < block.end))
-            turn = turn_at(block, point, ++chord_points);
-        if (turn.sin2 > sin2_threshold_ && turn.sin2 > significant2 * turn.variance)
-            turns_[point - block.begin] = turn.sin2;
-        reach_[point - block.begin] = chord_points;
+               (point - block.begin >= chord_points || point + chord_points < block.end)) {
+            chord_points += 1 + chord_points / 8;
+            turn = turn_at(block, point, chord_points);
+        }
+        if (turn.sin2 > sin2_threshold_ && turn.sin2 > significant2 * turn.variance) {
+            turn.point = point;
+            turn.chord_points = chord_points;
+            turns_.push_back(turn);
+        }
+        // The turn rises and falls over a chord's length on both sides of a corner: no need to look at every
+        // point.
+        stride = std::max<std::size_t>(1, chord_points / 4);
     }
 
-    // One corner per neighbourhood: the sharpest turn within a chord's length.
+    // One corner per neighbourhood: the sharpest turn within half a chord.
     corners_.clear();
     for (std::size_t i = 0; i < turns_.size(); ++i) {
-        if (turns_[i] <= 0) continue;
-        const std::size_t half = std::max<std::size_t>(1, reach_[i] / 2);
-        const std::size_t from = i - std::min(i, half), to = std::min(turns_.size(), i + half + 1);
+        const std::size_t half = std::max<std::size_t>(1, turns_[i].chord_points / 2);
         bool sharpest = true;
-        for (std::size_t k = from; k < to && sharpest; ++k)
-            sharpest = k < i ? turns_[k] < turns_[i] : turns_[k] <= turns_[i];
-        if (sharpest) corners_.push_back(block.begin + i);
+        for (std::size_t k = i; k-- > 0 && turns_[k].point + half >= turns_[i].point && sharpest;)
+            sharpest = turns_[k].sin2 < turns_[i].sin2;
+        for (std::size_t k = i + 1;
+             k < turns_.size() && turns_[k].point <= turns_[i].point + half && sharpest; ++k)
+            sharpest = turns_[k].sin2 <= turns_[i].sin2;
+        if (sharpest) corners_.push_back(turns_[i]);
     }
 }
 
 void AngleThreshold::split(const Interval& block) {
     const Straightness whole = straightness(points_, block, noise_, parameters_.max_bow);
     if (whole.shape == Shape::straight) {
-        pieces_.push_back({block, whole});
+        pieces_.push_back({block, whole, false});
         return;
     }
     find_corners(block);
     std::size_t begin = block.begin;
     for (std::size_t k = 0; k < corners_.size(); ++k) {
         // The turn is largest near the corner; where exactly it lies, both chords' residuals say better.
-        const std::size_t corner = corners_[k], reach = reach_[corner - block.begin];
-        const std::size_t next = k + 1 < corners_.size() ? corners_[k + 1] : block.end;
+        const std::size_t corner = corners_[k].point, reach = corners_[k].chord_points;
+        const std::size_t next = k + 1 < corners_.size() ? corners_[k + 1].point : block.end;
         const std::size_t from = std::max(begin, corner - std::min(corner - block.begin, reach));
         const std::size_t to = std::min(next, corner + reach);
         const std::size_t end = to > from + 2 ? best_break(points_, {from, to}) : corner;

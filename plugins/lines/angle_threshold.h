@@ -28,14 +28,15 @@ class AngleThreshold : public BlockwiseExtractor {
     struct Turn {
         double sin2 = 0;  ///< squared sine of the angle between the chords; above 1 where the path turns back
         double variance = 0;  ///< of the angle
+        std::size_t point = 0;
+        std::size_t chord_points = 0;  ///< of each chord, the point between them counted in both
     };
     Turn turn_at(const Interval& block, std::size_t point, std::size_t chord_points) const;
     void find_corners(const Interval& block);
 
     double sin2_threshold_;
     double wanted_variance_;  ///< of a turn
-    std::vector<double> turns_;
-    std::vector<std::size_t> reach_, corners_;
+    std::vector<Turn> turns_, corners_;
 };
 
 }  // namespace loopline::lines

@@ -5,8 +5,8 @@ namespace loopline::lines {
 void BlockwiseExtractor::extract(const PlanarScan& scan, LineSegments& segments) {
     points_.load(scan);
     noise_ = stated_noise(parameters_, scan.sigma_range_m);
-    noise_.scale(measured_noise_factor(points_, noise_, scratch_));
     split_at_gaps(points_, parameters_, noise_, blocks_);
+    noise_.scale(measured_noise_factor(points_, blocks_, noise_, scratch_));
     pieces_.clear();
     for (const Interval& block : blocks_)
         if (block.size() >= 3) split(block);

@@ -48,7 +48,7 @@ void Incremental::split(const Interval& block) {
         }
         const Interval run{begin, grow(seed, block.end)};
         const Straightness shape = straightness(points_, run, noise_, parameters_.max_bow);
-        if (shape.shape == Shape::straight) pieces_.push_back({run, shape});
+        if (shape.shape == Shape::straight) pieces_.push_back({run, shape, false});
         begin = run.end;
     }
 }

@@ -11,6 +11,8 @@ constexpr double chi2_2_99 = 9.2103;
 /// The stated noise counts as much as this many residuals, so that short lines are not judged by a handful of
 /// them.
 constexpr double prior_degrees_of_freedom = 30;
+constexpr double max_autocorrelation = 0.95;
+constexpr double max_round_radius_m = 20;
 
 double along_m(const NormalForm& line, const ScanPoint& p) {
     return line.along_m(p.x_m, p.y_m);
@@ -19,6 +21,18 @@ double along_m(const NormalForm& line, const ScanPoint& p) {
 /// Angle from a's normal to b's, in [-pi/2, pi/2] for lines seen from the same side.
 double turn_rad(const NormalForm& a, const NormalForm& b) {
     return std::asin(std::clamp(a.nx * b.ny - a.ny * b.nx, -1.0, 1.0));
+}
+
+/// What the residuals say about the covariance that the noise model gives: by their size (the stated noise
+/// taken as prior_degrees_of_freedom earlier residuals, and never less than stated), and by their order.
+/// Residuals of an even wall are independent; on one that wobbles, bows or is a stair of grid cells
+/// neighbours agree, and n of them are worth only n (1 - r) / (1 + r) with the autocorrelation r.
+double covariance_factor(const LikelyFit& fit) {
+    const double count = static_cast<double>(fit.count), degrees = count - 2;
+    const double by_size = (prior_degrees_of_freedom + fit.chi2) / (prior_degrees_of_freedom + degrees);
+    const double r = std::min(fit.autocorrelation, max_autocorrelation);
+    const double by_order = r * r * count > 4 && r > 0 ? (1 + r) / (1 - r) : 1;
+    return std::max(1.0, by_size) * by_order;
 }
 
 LineSegment segment_of(const ScanPoints& points, const LikelyFit& fit, std::size_t first, std::size_t last) {
@@ -46,6 +60,7 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
                              LineSegments& segments) {
     candidates_.clear();
     labels_.assign(points.size(), -1);
+    const auto min_beams = static_cast<std::size_t>(parameters.min_beams);
     for (const Piece& piece : pieces) {
         Candidate c;
         c.label = static_cast<int>(candidates_.size());
@@ -53,7 +68,7 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
         c.moments = points.moments(piece.run);
         std::fill(labels_.begin() + static_cast<std::ptrdiff_t>(c.run.begin),
                   labels_.begin() + static_cast<std::ptrdiff_t>(c.run.end), c.label);
-        c.rejected = !fit(points, noise, c);
+        c.rejected = piece.arc || piece.run.size() < min_beams || !fit(points, noise, c);
         candidates_.push_back(c);
     }
     drop_chains_of_chords(points, pieces, parameters);
@@ -73,11 +88,7 @@ bool LineAssembler::fit(const ScanPoints& points, const NoiseModel& noise, Candi
     const double excess = quick.across_m2 * c.moments.n / ((c.moments.n - 2) * variance_m2);
     c.fit = likely_fit(points, c.run, labels_, c.label, quick.line, noise, std::max(1.0, excess));
     if (!c.fit.valid) return false;
-    // The noise that the residuals show, the stated noise taken as prior_degrees_of_freedom earlier ones;
-    // never less than stated.
-    const double residual_count = static_cast<double>(c.fit.count) - 2;
-    c.fit.covariance *=
-        std::max(1.0, (prior_degrees_of_freedom + c.fit.chi2) / (prior_degrees_of_freedom + residual_count));
+    c.fit.covariance *= covariance_factor(c.fit);
     if (!c.over_the_seam) {
         c.first = c.fit.first;
         c.last = c.fit.last;
@@ -94,33 +105,50 @@ bool LineAssembler::acceptable(const ScanPoints& points, const ExtractionParamet
 }
 
 /// A round wall falls into chords that touch and turn a little from one to the next. Two neighbours of
-/// lengths a, b that turn by delta suggest the curvature delta / ((a + b) / 2); a chord of that arc has a
-/// sagitta that its own points would show. What does not show itself straighter than that, and would turn
-/// noticeably, is no wall.
+/// lengths a, b that turn by delta suggest the curvature delta / ((a + b) / 2), a bend with sagitta s over
+/// length l the curvature 8 s / l^2. A chord of such an arc has a sagitta that its own points would show:
+/// what does not show itself straighter than half of that, and would turn noticeably, is no wall. Bends
+/// flatter than max_round_radius_m are wobbling walls.
 void LineAssembler::drop_chains_of_chords(const ScanPoints& points, const std::vector<Piece>& pieces,
                                           const ExtractionParameters& parameters) {
     const double noticeable_rad = 2 * parameters.max_sigma_alpha_rad;
     const auto length_m = [&](const Candidate& c) {
         return along_m(c.fit.line, points[c.last]) - along_m(c.fit.line, points[c.first]);
     };
-    const auto could_be_chord = [&](const Candidate& c, const Piece& piece, double curvature_per_m) {
+    // Rejects c if it may be a chord of an arc that a neighbour of some length suggests.
+    const auto judge = [&](Candidate& c, const Piece& piece, double curvature_per_m, double neighbour_m) {
         const double length = length_m(c);
+        if (std::abs(curvature_per_m) < 1 / max_round_radius_m || neighbour_m < length / 2 ||
+            std::abs(curvature_per_m) * length < noticeable_rad)
+            return;
         const double implied_m = std::abs(curvature_per_m) * length * length / 8;
         const double shown_m = curvature_per_m > 0 ? piece.shape.sagitta_m : -piece.shape.sagitta_m;
-        return std::abs(curvature_per_m) * length > noticeable_rad &&
-               shown_m + piece.shape.sigma_sagitta_m > implied_m / 2;
+        if (shown_m + piece.shape.sigma_sagitta_m > implied_m / 2) c.rejected = true;
     };
-    const auto directed = [&](const Candidate& c) {
-        return c.fit.valid && c.fit.covariance(1, 1) < noticeable_rad * noticeable_rad;
+    const auto enough_beams = [&](const Candidate& c) {
+        return c.run.size() >= static_cast<std::size_t>(parameters.min_beams);
     };
     for (std::size_t i = 0; i + 1 < candidates_.size(); ++i) {
         Candidate &a = candidates_[i], &b = candidates_[i + 1];
-        if (pieces[i].run.end != pieces[i + 1].run.begin || !directed(a) || !directed(b)) continue;
-        const double turn = turn_rad(a.fit.line, b.fit.line);
-        if (std::abs(turn) > parameters.angle_threshold_rad) continue;
-        const double curvature_per_m = turn / std::max(1e-6, 0.5 * (length_m(a) + length_m(b)));
-        if (could_be_chord(a, pieces[i], curvature_per_m)) a.rejected = true;
-        if (could_be_chord(b, pieces[i + 1], curvature_per_m)) b.rejected = true;
+        const Piece &piece_a = pieces[i], &piece_b = pieces[i + 1];
+        if (piece_a.run.end != piece_b.run.begin || !enough_beams(a) || !enough_beams(b)) continue;
+        const bool arc_a = piece_a.arc, arc_b = piece_b.arc;
+        if (arc_a && arc_b) continue;
+        const double turn = turn_rad(piece_a.shape.fit.line, piece_b.shape.fit.line);
+        if (arc_a || arc_b) {
+            const Straightness& arc = arc_a ? piece_a.shape : piece_b.shape;
+            const double arc_m = std::sqrt(12 * arc.fit.along_m2);
+            const double curvature_per_m = 8 * arc.sagitta_m / (arc_m * arc_m);
+            // Half of the arc's own turn lies between its chord and its end.
+            if (std::abs(turn - curvature_per_m * arc_m / 2) > parameters.angle_threshold_rad) continue;
+            Candidate& straight = arc_a ? b : a;
+            if (!straight.rejected) judge(straight, arc_a ? piece_b : piece_a, curvature_per_m, arc_m);
+        } else if (a.fit.valid && b.fit.valid && std::abs(turn) <= parameters.angle_threshold_rad) {
+            const double length_a = length_m(a), length_b = length_m(b);
+            const double curvature_per_m = turn / std::max(1e-6, 0.5 * (length_a + length_b));
+            judge(a, piece_a, curvature_per_m, length_b);
+            judge(b, piece_b, curvature_per_m, length_a);
+        }
     }
 }
 

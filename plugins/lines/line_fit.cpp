@@ -37,7 +37,7 @@ bool within(const Residual& r, double gate2) {
 /// Weighted sums of the normal equations of d = delta_rho - t delta_alpha, and what is reported of the
 /// points.
 struct NormalEquations {
-    double w = 0, wt = 0, wtt = 0, wd = 0, wtd = 0, wdd = 0, dd = 0;
+    double w = 0, wt = 0, wtt = 0, wd = 0, wtd = 0, wdd = 0, wdd_lagged = 0, dd = 0, previous_d_m = 0;
     std::size_t count = 0, first = 0, last = 0;
 
     void add(const Residual& r, std::size_t i) {
@@ -48,6 +48,8 @@ struct NormalEquations {
         wd += weighted_d;
         wtd += weighted_t * r.d_m;
         wdd += weighted_d * r.d_m;
+        wdd_lagged += weighted_d * previous_d_m;
+        previous_d_m = r.d_m;
         dd += r.d_m * r.d_m;
         if (count++ == 0) first = i;
         last = i;
@@ -125,6 +127,7 @@ LikelyFit likely_fit(const ScanPoints& points, const Interval& run, const std::v
             fit.covariance /= sums.determinant();
             fit.chi2 = sums.wdd;
             fit.rms_m = std::sqrt(sums.dd / static_cast<double>(sums.count));
+            fit.autocorrelation = sums.wdd > 0 ? sums.wdd_lagged / sums.wdd : 0;
             fit.count = sums.count;
             fit.first = sums.first;
             fit.last = sums.last;

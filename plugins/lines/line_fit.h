@@ -35,8 +35,9 @@ struct LikelyFit {
         Eigen::Matrix2d::Zero();  ///< of (rho, alpha), for the noise as the model has it
     double chi2 = 0;              ///< of the points in the fit
     double rms_m = 0;
-    std::size_t count = 0;  ///< points in the fit
-    std::size_t first = 0;  ///< outermost of them
+    double autocorrelation = 0;  ///< of the residuals of neighbouring points
+    std::size_t count = 0;       ///< points in the fit
+    std::size_t first = 0;       ///< outermost of them
     std::size_t last = 0;
 };
 

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lines/line_fit.h"
+
 namespace loopline::lines {
 namespace {
 constexpr double default_sigma_range_m = 0.01;
-constexpr double median_of_chi2_1 = 0.4549364;
 constexpr double max_noise_factor = 36;  // six times the stated sigma: beyond that it is clutter, not noise
-constexpr std::size_t min_triples = 20;
-constexpr double smallest_variance_m2 = 1e-14;
+constexpr double stretch_m = 1;
+constexpr std::size_t min_stretch_points = 8, min_stretches = 4;
+constexpr double quantile = 0.4, z_of_quantile = -0.2533;
 }  // namespace
 
 NoiseModel stated_noise(const ExtractionParameters& parameters, double scan_sigma_range_m) {
@@ -20,31 +22,32 @@ NoiseModel stated_noise(const ExtractionParameters& parameters, double scan_sigm
             parameters.sigma_wall_m * parameters.sigma_wall_m};
 }
 
-double measured_noise_factor(const ScanPoints& points, const NoiseModel& noise,
-                             std::vector<double>& scratch) {
+double measured_noise_factor(const ScanPoints& points, const std::vector<Interval>& runs,
+                             const NoiseModel& noise, std::vector<double>& scratch) {
     scratch.clear();
-    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-        const ScanPoint &a = points[i - 1], &p = points[i], &b = points[i + 1];
-        if (b.beam - a.beam != 2) continue;
-        const double ux = b.x_m - a.x_m, uy = b.y_m - a.y_m;
-        const double chord2 = ux * ux + uy * uy;
-        // Distance of p from the chord; its variance is that of p plus half that of a and b.
-        const double cross = ux * (p.y_m - a.y_m) - uy * (p.x_m - a.x_m);
-        const double through = a.x_m * b.y_m - a.y_m * b.x_m;
-        const double cos2_incidence = std::min(1.0, through * through / (chord2 * p.range_m * p.range_m));
-        const double t2 = p.range_m * p.range_m * (1 - cos2_incidence);
-        const double expected = 1.5 * (noise.range_variance_m2 * cos2_incidence +
-                                       noise.bearing_variance_rad2 * t2 + noise.wall_variance_m2);
-        if (chord2 > 0)
-            scratch.push_back(cross * cross / (chord2 * std::max(expected, smallest_variance_m2)));
+    for (const Interval& run : runs) {
+        std::size_t begin = run.begin;
+        while (begin + min_stretch_points <= run.end) {
+            std::size_t end = begin + min_stretch_points;
+            while (end < run.end && points.squared_distance_m2(begin, end - 1) < stretch_m * stretch_m) ++end;
+            const Moments moments = points.moments({begin, end});
+            const QuickFit fit = quick_fit(moments);
+            const double degrees = moments.n - 2;
+            const double variance_m2 = noise.mean_variance_m2(moments, fit.line.rho_m);
+            // Wilson and Hilferty: the quantile of chi-square per degree of freedom.
+            const double v = 2 / (9 * degrees), root = 1 - v + z_of_quantile * std::sqrt(v);
+            scratch.push_back(fit.across_m2 * moments.n / (degrees * variance_m2 * root * root * root));
+            begin += (end - begin + 1) / 2;
+        }
     }
-    if (scratch.size() < min_triples) return 1;
-    const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
-    std::nth_element(scratch.begin(), middle, scratch.end());
-    const double factor = *middle / median_of_chi2_1;
-    // The estimate itself scatters by about 2.4 / sqrt(n): below three times that it says nothing, from a
-    // third more on it is believed fully.
-    const double doubt = 1 + 7.2 / std::sqrt(static_cast<double>(scratch.size()));
+    const double count = static_cast<double>(scratch.size());
+    if (scratch.size() < min_stretches) return 1;
+    const auto at = scratch.begin() + static_cast<std::ptrdiff_t>(quantile * count);
+    std::nth_element(scratch.begin(), at, scratch.end());
+    const double factor = *at;
+    // The estimate scatters itself: a little more than the model says nothing, from a third more on it is
+    // believed.
+    const double doubt = 1 + 2.5 / std::sqrt(count);
     if (!(factor > doubt)) return 1;
     const double sure = 4.0 / 3.0 * doubt;
     const double believed = factor < sure ? 1 + (sure - 1) * (factor - doubt) / (sure - doubt) : factor;

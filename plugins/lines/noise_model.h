@@ -38,10 +38,14 @@ struct NoiseModel {
 /// The stated noise: of the parameters, or of the scan where they leave it open, 1 cm where neither says.
 NoiseModel stated_noise(const ExtractionParameters& parameters, double scan_sigma_range_m);
 
-/// By how much the variances of the scan's own point-to-point scatter exceed the model; 1 if they don't
-/// clearly. A stated noise that is too low would break every wall into pieces, and it often is: logs carry
-/// default values, and range noise grows with distance. The median over all triples of neighbours ignores
-/// corners and clutter. `scratch` is working memory.
-double measured_noise_factor(const ScanPoints& points, const NoiseModel& noise, std::vector<double>& scratch);
+/// By how much the scan's own scatter about lines exceeds the model's variances; 1 if it doesn't clearly. A
+/// stated noise that is too low would break every wall into pieces, and it often is: logs carry default
+/// values, noise grows with range, and walls in simulated worlds may be stairs of grid cells.
+///
+/// Every stretch of about a metre within the `runs` (without gaps) has its least-squares line and the mean
+/// square of its residuals. Corners and clutter raise some of these; noise and rough walls raise them all. So
+/// a low quantile of them is compared with what it would be for the model. `scratch` is working memory.
+double measured_noise_factor(const ScanPoints& points, const std::vector<Interval>& runs,
+                             const NoiseModel& noise, std::vector<double>& scratch);
 
 }  // namespace loopline::lines

@@ -73,13 +73,17 @@ void split_until_straight(const ScanPoints& points, const Interval& run, const N
         if (part.size() < 3) continue;
         const Straightness shape = straightness(points, part, noise, max_bow);
         if (shape.shape == Shape::straight) {
-            pieces.push_back({part, shape});
+            pieces.push_back({part, shape, false});
             continue;
         }
         // A wall with the first points of the next looks like a bend too: two lines have precedence.
         const std::size_t middle = best_break(points, part);
         const Interval before{part.begin, middle}, after{middle, part.end};
-        if (shape.shape == Shape::arc && !(straight(before) && straight(after))) continue;
+        if (shape.shape == Shape::bent && part.size() > 3 && smooth_bend(points, part, noise, shape.fit) &&
+            !(straight(before) && straight(after))) {
+            pieces.push_back({part, shape, true});
+            continue;
+        }
         stack.push_back(after);
         stack.push_back(before);
     }

@@ -10,10 +10,12 @@
 
 namespace loopline::lines {
 
-/// A straight run, candidate for a line.
+/// A run that is straight, candidate for a line, or one smooth bend, kept for what it says about its
+/// neighbours.
 struct Piece {
     Interval run;
     Straightness shape;
+    bool arc = false;
 };
 
 /// Hu 2012, section 3.2, step 1: runs without a gap wider than `max_gap_m`. Beams that meet a wall at a

@@ -1,7 +1,6 @@
 #include "lines/straightness.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 
 namespace loopline::lines {
@@ -12,26 +11,6 @@ constexpr double bend_sigmas = 4;
 
 double mean_distance_m(const NormalForm& line, const Moments& m) {
     return (line.nx * m.x + line.ny * m.y) / m.n - line.rho_m;
-}
-
-/// Mean square of the residuals that a parabola over the line leaves.
-double left_by_parabola_m2(const ScanPoints& points, const Interval& run, const QuickFit& fit) {
-    const double centre_x = 0.5 * (points[run.begin].x_m + points[run.end - 1].x_m);
-    const double centre_y = 0.5 * (points[run.begin].y_m + points[run.end - 1].y_m);
-    const double centre_t = fit.line.along_m(centre_x, centre_y);
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    double sum_dd = 0;
-    for (std::size_t i = run.begin; i < run.end; ++i) {
-        const double t = fit.line.along_m(points[i].x_m, points[i].y_m) - centre_t;
-        const double d = fit.line.distance_m(points[i].x_m, points[i].y_m);
-        const Eigen::Vector3d powers(1, t, t * t);
-        normal.noalias() += powers * powers.transpose();
-        right += d * powers;
-        sum_dd += d * d;
-    }
-    const double explained = right.dot(normal.ldlt().solve(right));
-    return std::max(0.0, sum_dd - explained) / static_cast<double>(run.size());
 }
 
 }  // namespace
@@ -70,9 +49,36 @@ Straightness straightness(const ScanPoints& points, const Interval& run, const N
     if (!bent && result.fit.across_m2 <= limit * variance_m2 + parabola_m2 * bow_m * bow_m) {
         result.shape = Shape::straight;
     } else if (bent) {
-        if (left_by_parabola_m2(points, run, result.fit) <= limit * variance_m2) result.shape = Shape::arc;
+        result.shape = Shape::bent;
     }
     return result;
+}
+
+bool smooth_bend(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
+                 const QuickFit& fit) {
+    const NormalForm& line = fit.line;
+    const double centre_t = line.along_m(0.5 * (points[run.begin].x_m + points[run.end - 1].x_m),
+                                         0.5 * (points[run.begin].y_m + points[run.end - 1].y_m));
+    double t1 = 0, t2 = 0, t3 = 0, t4 = 0, d0 = 0, d1 = 0, d2 = 0, dd = 0;
+    for (std::size_t i = run.begin; i < run.end; ++i) {
+        const double t = line.along_m(points[i].x_m, points[i].y_m) - centre_t, tt = t * t;
+        const double d = line.distance_m(points[i].x_m, points[i].y_m);
+        t1 += t;
+        t2 += tt;
+        t3 += tt * t;
+        t4 += tt * tt;
+        d0 += d;
+        d1 += d * t;
+        d2 += d * tt;
+        dd += d * d;
+    }
+    const double n = static_cast<double>(run.size());
+    Eigen::Matrix3d normal;
+    normal << n, t1, t2, t1, t2, t3, t2, t3, t4;
+    const Eigen::Vector3d right(d0, d1, d2);
+    const double left = dd - right.dot(normal.ldlt().solve(right));
+    return left <=
+           chi2_per_degree_limit(n - 3) * (n - 3) * noise.mean_variance_m2(points.moments(run), line.rho_m);
 }
 
 }  // namespace loopline::lines

@@ -13,8 +13,8 @@ double chi2_per_degree_limit(double degrees_of_freedom);
 
 enum class Shape {
     straight,
-    arc,     ///< one smooth bend: no line, and no chain of short chords either
-    broken,  ///< corners, steps or clutter: to be split
+    bent,    ///< the middle lies off the ends: a bend, or corners
+    broken,  ///< steps or clutter, or corners that balance
 };
 
 struct Straightness {
@@ -28,5 +28,8 @@ struct Straightness {
 /// `run` has at least three points. A wall may bow by `max_bow` of its length.
 Straightness straightness(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
                           double max_bow);
+
+/// Does a parabola over the line leave no more than noise? Then a bent run is one smooth bend.
+bool smooth_bend(const ScanPoints& points, const Interval& run, const NoiseModel& noise, const QuickFit& fit);
 
 }  // namespace loopline::lines

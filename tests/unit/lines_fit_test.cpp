@@ -173,11 +173,16 @@ TEST(Straightness, tells_walls_bends_and_corners) {
             lines_world::add_range_noise(sweep, 0.01, random);
             ScanPoints points;
             points.load(sweep.scan);
-            return straightness(points, {0, points.size()}, one_centimetre, 0.005);
+            const Interval all{0, points.size()};
+            const Straightness result = straightness(points, all, one_centimetre, 0.005);
+            return std::pair{result, smooth_bend(points, all, one_centimetre, result.fit)};
         };
-        EXPECT_EQ(shape(wall).shape, Shape::straight);
-        EXPECT_EQ(shape(round).shape, Shape::arc);
-        EXPECT_LT(shape(round).sagitta_m, 0) << "a pillar's middle is nearer than its chord";
-        EXPECT_NE(shape(corner).shape, Shape::straight);
+        EXPECT_EQ(shape(wall).first.shape, Shape::straight);
+        const auto [bend, smooth] = shape(round);
+        EXPECT_EQ(bend.shape, Shape::bent);
+        EXPECT_TRUE(smooth);
+        EXPECT_LT(bend.sagitta_m, 0) << "a pillar's middle is nearer than its chord";
+        EXPECT_EQ(shape(corner).first.shape, Shape::bent);
+        EXPECT_FALSE(shape(corner).second) << "two walls are no bend";
     }
 }
