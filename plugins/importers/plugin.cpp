@@ -1,3 +1,9 @@
-#include "api/module.h"
+#include <mrpt/core/initializer.h>
+
+#include "importers/carmen_importer.h"
 
 LOOPLINE_PLUGIN();
+
+MRPT_INITIALIZER(register_loopline_importers) {
+    mrpt::rtti::registerClass(CLASS_ID(loopline::CarmenImporter));
+}

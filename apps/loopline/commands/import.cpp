@@ -1,20 +1,159 @@
+/// loopline import FORMAT IN... --out F.rawlog: logs of other programs as rawlogs. Formats are Importer
+/// classes of the plugins, and their parameters become options.
 #include "commands/import.h"
 
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/serialization/CArchive.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+
+#include "config/did_you_mean.h"
+#include "config/plugin_loader.h"
 
 namespace loopline {
 namespace {
 
+namespace fs = std::filesystem;
+
+/// "aperture_deg" as "--aperture-deg".
+std::string option_name(std::string key) {
+    std::replace(key.begin(), key.end(), '_', '-');
+    return "--" + key;
+}
+
+/// A rawlog that has its name only when it is whole.
+class RawlogFile : public RawlogSink {
+ public:
+    explicit RawlogFile(fs::path file) : file_(std::move(file)), partial_(file_.string() + ".partial") {
+        bool open = false;
+        try {
+            open = stream_.open(partial_.string());
+        } catch (const std::exception&) {
+        }
+        if (!open)
+            throw CommandError(exit_configuration,
+                               "can't write " + file_.string() +
+                                   "; give --out a file in a folder that exists and can be written");
+    }
+    ~RawlogFile() override {
+        stream_.close();
+        std::error_code ignored;
+        if (!whole_) fs::remove(partial_, ignored);
+    }
+    RawlogFile(const RawlogFile&) = delete;
+    RawlogFile& operator=(const RawlogFile&) = delete;
+
+    void write(const mrpt::serialization::CSerializable& object) override {
+        try {
+            archive_.WriteObject(object);
+        } catch (const std::exception&) {
+            refuse();
+        }
+    }
+    void warn(const std::string& sentence) override { std::cerr << "loopline: " << sentence << '\n'; }
+
+    void commit() {
+        stream_.close();
+        std::error_code error;
+        fs::rename(partial_, file_, error);
+        if (error) refuse();
+        whole_ = true;
+    }
+
+ private:
+    [[noreturn]] void refuse() {
+        throw CommandError(exit_configuration, "can't write " + file_.string() + "; is the disk full?");
+    }
+
+    fs::path file_, partial_;
+    bool whole_ = false;
+    mrpt::io::CFileGZOutputStream stream_;
+    mrpt::serialization::CArchiveStreamBase<mrpt::io::CFileGZOutputStream> archive_{stream_};
+};
+
 class ImportCommand : public Command {
-   public:
+ public:
     std::string name() const override { return "import"; }
-    std::string sentence() const override { return "not there yet"; }
-    void declare(CLI::App&) override {}
-    ExitCode run() override { throw CommandError(exit_configuration, "loopline import is not there yet"); }
+    std::string sentence() const override { return "Logs of other programs as rawlogs: carmen"; }
+
+    void declare(CLI::App& app) override {
+        app.require_subcommand(0, 1);
+        app.allow_extras();  // an unknown format is answered by run()
+        app_ = &app;
+        // The plugins are loaded only when the command line asks for this command.
+        app.preparse_callback([this, &app](std::size_t) { declare_formats(app); });
+    }
+
+    ExitCode run() override {
+        if (!chosen_) refuse_format(app_->remaining());
+        for (const auto& input : inputs_) {
+            std::error_code ignored;
+            if (!fs::is_regular_file(input, ignored))
+                throw CommandError(exit_input_data, "can't read " + input + ": there is no such file");
+            if (fs::equivalent(input, out_, ignored))
+                throw CommandError(exit_configuration,
+                                   "--out " + out_ + " is one of the inputs; give another file");
+        }
+        if (const std::string wrong = chosen_->check(); !wrong.empty())
+            throw CommandError(exit_configuration, "import " + chosen_->info().name + ": " + wrong);
+        RawlogFile rawlog(out_);
+        try {
+            const std::string summary = chosen_->import(inputs_, rawlog);
+            rawlog.commit();
+            std::cout << out_ << ": " << summary << '\n';
+        } catch (const CommandError&) {
+            throw;
+        } catch (const std::runtime_error& e) {
+            throw CommandError(exit_input_data, e.what());
+        }
+        return exit_done;
+    }
+
+ private:
+    void declare_formats(CLI::App& app) {
+        load_plugins();
+        for (const auto& format : known_importers()) {
+            const Importer::Ptr importer = make_importer(format);
+            auto* sub = app.add_subcommand(format, importer->info().sentence);
+            sub->add_option("IN", inputs_, "Files, taken one after the other")->required();
+            sub->add_option("--out", out_, "The rawlog to write")->required();
+            const ParameterTable table = importer->parameters();
+            for (const auto& parameter : table.parameters())
+                sub->add_option_function<std::string>(
+                       option_name(parameter.name),
+                       [parameter](const std::string& text) {
+                           if (const auto wrong = parameter.parse(text))
+                               throw CLI::ValidationError(option_name(parameter.name), text + " " + *wrong);
+                       },
+                       parameter.sentence)
+                    ->option_text((parameter.allowed.empty() ? "" : parameter.allowed + " ") + "[" +
+                                  parameter.default_text + "]");
+            sub->callback([this, importer] { chosen_ = importer; });
+        }
+    }
+
+    [[noreturn]] static void refuse_format(const std::vector<std::string>& words) {
+        const auto formats = known_importers();
+        if (words.empty())
+            throw CommandError(exit_configuration, "import needs a format; there is " + listing(formats));
+        throw CommandError(exit_configuration,
+                           "there is no format \"" + words[0] + "\" to import" +
+                               did_you_mean(words[0], formats, "; there is " + listing(formats)));
+    }
+
+    CLI::App* app_ = nullptr;
+    std::vector<std::string> inputs_;
+    std::string out_;
+    Importer::Ptr chosen_;
 };
 
 }  // namespace
 
-std::unique_ptr<Command> make_import_command() { return std::make_unique<ImportCommand>(); }
+std::unique_ptr<Command> make_import_command() {
+    return std::make_unique<ImportCommand>();
+}
 
 }  // namespace loopline

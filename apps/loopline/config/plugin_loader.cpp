@@ -161,11 +161,17 @@ std::vector<std::string> known_modules() {
 std::vector<std::string> known_map_builders() {
     return names_of_each<MapBuilder>();
 }
+std::vector<std::string> known_importers() {
+    return names_of_each<Importer>();
+}
 Module::Ptr make_module(const std::string& name) {
     return made_by_name<Module>(name);
 }
 MapBuilder::Ptr make_map_builder(const std::string& name) {
     return made_by_name<MapBuilder>(name);
+}
+Importer::Ptr make_importer(const std::string& name) {
+    return made_by_name<Importer>(name);
 }
 
 }  // namespace loopline

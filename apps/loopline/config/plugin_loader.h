@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "api/importer.h"
 #include "api/module.h"
 
 namespace loopline {
@@ -14,11 +15,13 @@ std::vector<std::string> load_plugins();
 /// The same for one library.
 void load_plugin(const std::string& path);
 
-/// Names (ModuleInfo::name) of all modules and of all map builders, sorted.
+/// Names (ModuleInfo::name) of all modules, of all map builders and of all importers, sorted.
 std::vector<std::string> known_modules();
 std::vector<std::string> known_map_builders();
+std::vector<std::string> known_importers();
 /// Null if there is none of that name.
 Module::Ptr make_module(const std::string& name);
 MapBuilder::Ptr make_map_builder(const std::string& name);
+Importer::Ptr make_importer(const std::string& name);
 
 }  // namespace loopline

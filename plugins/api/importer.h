@@ -1,0 +1,32 @@
+/// The contract for readers of other log formats: `loopline import FORMAT IN... --out F.rawlog`. Its
+/// parameters become the command's options: `aperture_deg` is given as --aperture-deg.
+#pragma once
+
+#include <mrpt/serialization/CSerializable.h>
+
+#include <string>
+#include <vector>
+
+#include "api/module.h"
+
+namespace loopline {
+
+/// Takes the rawlog's objects in order.
+class RawlogSink {
+ public:
+    virtual ~RawlogSink() = default;
+    virtual void write(const mrpt::serialization::CSerializable& object) = 0;
+    /// A sentence for the person: a damaged line that was left out, an assumption.
+    virtual void warn(const std::string& sentence) = 0;
+};
+
+/// A format, by the name info().name.
+class Importer : public Configurable {
+    DEFINE_VIRTUAL_MRPT_OBJECT(Importer)
+ public:
+    /// Reads all `inputs`, in this order, as one log. Returns one sentence that sums up what came out. Throws
+    /// std::runtime_error, with one sentence, if they can't be imported.
+    virtual std::string import(const std::vector<std::string>& inputs, RawlogSink& sink) = 0;
+};
+
+}  // namespace loopline
