@@ -23,6 +23,7 @@ struct ModuleTiming {
     std::uint64_t calls = 0;
     double total_ms = 0;
     double worst_ms = 0;
+    double finish_ms = 0;  ///< at the end of the log, not in total_ms
 };
 
 struct RunRecord {
