@@ -25,7 +25,7 @@ inline const char* const telecom_log =
 
 /// A folder of its own for each test, removed at the end.
 class Folder {
-   public:
+ public:
     Folder() {
         std::string pattern = (std::filesystem::temp_directory_path() / "loopline_XXXXXX").string();
         path_ = ::mkdtemp(pattern.data());
@@ -37,7 +37,7 @@ class Folder {
     std::string operator/(const std::string& name) const { return (path_ / name).string(); }
     const std::filesystem::path& path() const { return path_; }
 
-   private:
+ private:
     std::filesystem::path path_;
 };
 
@@ -74,13 +74,15 @@ inline mrpt::obs::CSensoryFrame::Ptr frame(const std::vector<mrpt::obs::CObserva
 }
 
 inline void write_log(const std::string& path,
-                      const std::vector<mrpt::serialization::CSerializable::Ptr>& objects, int compression = 1) {
+                      const std::vector<mrpt::serialization::CSerializable::Ptr>& objects,
+                      int compression = 1) {
     mrpt::io::CFileGZOutputStream file(path, mrpt::io::OpenMode::TRUNCATE, compression);
     auto archive = mrpt::serialization::archiveFrom(file);
     for (const auto& object : objects) archive << *object;
 }
 
-/// Runs `part` in a child process, since damaged bytes may crash MRPT's readers: true if it returned true, or crashed.
+/// Runs `part` in a child process, since damaged bytes may crash MRPT's readers: true if it returned true, or
+/// crashed.
 template <class Part>
 bool holds_or_crashes(const Part& part) {
     const pid_t child = ::fork();

@@ -50,7 +50,8 @@ std::string refusal_to_open(const std::string& path) {
 
 std::vector<mrpt::serialization::CSerializable::Ptr> some_scans(int count) {
     std::vector<mrpt::serialization::CSerializable::Ptr> scans;
-    for (int i = 0; i < count; ++i) scans.push_back(scan(1'000'000'000 + i * 100'000'000LL, "LASER", 50, 1.0F + 0.01F * i));
+    for (int i = 0; i < count; ++i)
+        scans.push_back(scan(1'000'000'000 + i * 100'000'000LL, "LASER", 50, 1.0F + 0.01F * i));
     return scans;
 }
 
@@ -92,7 +93,8 @@ TEST(ArchiveReader, a_log_cut_anywhere_keeps_what_is_before_the_cut) {
     for (std::size_t size = 1; size < whole.size(); size += 11) {
         write_file(folder / "cut", whole.substr(0, size));
         const auto reading = read_all(folder / "cut");
-        EXPECT_TRUE(reading.ending == LogEnd::cut_short || (size < 2 && reading.ending != LogEnd::clean)) << size;
+        EXPECT_TRUE(reading.ending == LogEnd::cut_short || (size < 2 && reading.ending != LogEnd::clean))
+            << size;
         EXPECT_GE(reading.objects, before) << "more bytes, fewer objects";
         before = reading.objects;
         expect_one_sentence(reading.damage, folder / "cut");
@@ -135,7 +137,8 @@ TEST(ArchiveReader, no_flipped_byte_of_a_gzip_log_passes_silently) {
     std::mt19937_64 random(7);
     for (int i = 0; i < 20; ++i) {
         auto bytes = whole;
-        const auto at = 10 + random() % (bytes.size() - 10);  // behind the header, whose name and time mean nothing
+        const auto at =
+            10 + random() % (bytes.size() - 10);  // behind the header, whose name and time mean nothing
         bytes[at] = static_cast<char>(bytes[at] ^ (1 + random() % 255));
         write_file(folder / "flipped", bytes);
         EXPECT_TRUE(holds_or_crashes([&] {
@@ -211,6 +214,7 @@ TEST(ArchiveReader, the_real_log_ends_cleanly) {
 TEST(FileHash, is_sha_256) {
     Folder folder;
     write_file(folder / "abc", "abc");  // FIPS 180-2, appendix B.1
-    EXPECT_EQ(sha256_of_file(folder / "abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    EXPECT_EQ(sha256_of_file(folder / "abc"),
+              "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
     EXPECT_EQ(sha256_of_file(folder / "nowhere"), "");
 }

@@ -55,9 +55,10 @@ mrpt::obs::CObservationOdometry::Ptr odometry_reading(StampNs stamp_ns, double x
 
 TEST(LogSource, actions_become_cumulative_odometry_just_before_their_frame) {
     Folder folder;
-    write_log(folder / "log", {move(9, 9, 1), frame({scan(start_ns)}),  // before the first frame: nothing to move
-                               move(1, 0, M_PI / 2), frame({scan(start_ns + s), scan(start_ns + s + 1000, "REAR")}),
-                               move(2, 0, 0), move(1, 0, -M_PI / 2), frame({scan(start_ns + 2 * s)})});
+    write_log(folder / "log",
+              {move(9, 9, 1), frame({scan(start_ns)}),  // before the first frame: nothing to move
+               move(1, 0, M_PI / 2), frame({scan(start_ns + s), scan(start_ns + s + 1000, "REAR")}),
+               move(2, 0, 0), move(1, 0, -M_PI / 2), frame({scan(start_ns + 2 * s)})});
     const auto items = stream(folder / "log");
     ASSERT_EQ(items.size(), 7u);
     const std::vector<std::size_t> odometry_at = {0, 2, 5};
@@ -129,8 +130,8 @@ TEST(LogSource, the_real_log_gives_the_odometry_that_MRPT_sums) {
 
 TEST(LogSource, stamps_that_go_backwards_are_reported_and_not_sorted) {
     Folder folder;
-    write_log(folder / "log", {scan(start_ns), scan(start_ns + 5 * s), scan(start_ns + 2 * s), scan(start_ns + 6 * s),
-                               scan(start_ns + 5 * s)});
+    write_log(folder / "log", {scan(start_ns), scan(start_ns + 5 * s), scan(start_ns + 2 * s),
+                               scan(start_ns + 6 * s), scan(start_ns + 5 * s)});
     LogSource source({folder / "log"});
     const auto items = stream(source);
     ASSERT_EQ(items.size(), 5u);
@@ -161,12 +162,14 @@ TEST(LogSource, several_logs_are_merged_by_stamp_each_in_its_own_order) {
         order += item.observation->sensorLabel;
         EXPECT_EQ(item.sequence, sequence++);
     }
-    EXPECT_EQ(order, "abbaaba") << "equal stamps: the file named first; a's third scan stays behind its second";
+    EXPECT_EQ(order, "abbaaba")
+        << "equal stamps: the file named first; a's third scan stays behind its second";
 }
 
 TEST(LogSource, impossible_numbers_are_kept_out_and_counted) {
     Folder folder;
-    auto no_aperture = scan(start_ns), wild_pose = scan(start_ns), endless = scan(start_ns), spotted = scan(start_ns);
+    auto no_aperture = scan(start_ns), wild_pose = scan(start_ns), endless = scan(start_ns),
+         spotted = scan(start_ns);
     no_aperture->aperture = static_cast<float>(nan_value);
     wild_pose->sensorPose.x(std::numeric_limits<double>::infinity());
     endless->maxRange = -1;
@@ -193,11 +196,13 @@ TEST(LogSource, impossible_increments_leave_the_odometry_where_it_was) {
     Folder folder;
     const auto broken = [](double x_m) {
         auto actions = move(0, 0, 0);
-        dynamic_cast<mrpt::obs::CActionRobotMovement2D&>(*actions->get(0)).rawOdometryIncrementReading = {x_m, 0, 0};
+        dynamic_cast<mrpt::obs::CActionRobotMovement2D&>(*actions->get(0)).rawOdometryIncrementReading = {
+            x_m, 0, 0};
         return actions;
     };
-    write_log(folder / "log", {frame({scan(start_ns)}), move(1, 0, 0), frame({scan(start_ns + s)}), broken(1e9),
-                               frame({scan(start_ns + 2 * s)}), move(1, 0, 0), frame({scan(start_ns + 3 * s)})});
+    write_log(folder / "log",
+              {frame({scan(start_ns)}), move(1, 0, 0), frame({scan(start_ns + s)}), broken(1e9),
+               frame({scan(start_ns + 2 * s)}), move(1, 0, 0), frame({scan(start_ns + 3 * s)})});
     LogSource source({folder / "log"});
     const auto items = stream(source);
     ASSERT_EQ(items.size(), 8u);
@@ -231,7 +236,8 @@ TEST(LogSource, two_sensors_with_one_label_are_noticed) {
 
 TEST(LogSource, says_what_the_log_holds) {
     Folder folder;
-    write_log(folder / "log", {scan(start_ns, "FRONT"), odometry_reading(start_ns, 0), scan(start_ns + s, "FRONT")});
+    write_log(folder / "log",
+              {scan(start_ns, "FRONT"), odometry_reading(start_ns, 0), scan(start_ns + s, "FRONT")});
     LogSource source({folder / "log"});
     stream(source);
     EXPECT_EQ(source.facts().inventory(), "2 CObservation2DRangeScan (FRONT), 1 CObservationOdometry (ODO)");

@@ -14,9 +14,10 @@ namespace {
 
 using Journal = std::vector<std::string>;
 
-/// Writes down what it sees as "name:label@sequence", and publishes label + "." + name on what it was told to.
+/// Writes down what it sees as "name:label@sequence", and publishes label + "." + name on what it was told
+/// to.
 class Scribe : public Module {
-   public:
+ public:
     Scribe() = default;
     Scribe(std::string name, Journal& journal, int publications)
         : name_(std::move(name)), journal_(&journal), publications_(publications) {}
@@ -37,7 +38,7 @@ class Scribe : public Module {
     }
     mrpt::rtti::CObject* clone() const override { return new Scribe(*this); }
 
-   private:
+ private:
     void note(const std::string& what) { journal_->push_back(name_ + ":" + what); }
     std::string name_;
     Journal* journal_ = nullptr;
@@ -55,7 +56,8 @@ TEST(ModuleChain, each_module_sees_an_item_and_then_what_was_published_on_it) {
     Journal journal, heard;
     ModuleChain chain({std::make_shared<Scribe>("a", journal, 1), std::make_shared<Scribe>("b", journal, 1),
                        std::make_shared<Scribe>("c", journal, 0)},
-                      nullptr, [&](const StreamItem& item) { heard.push_back(item.observation->sensorLabel); });
+                      nullptr,
+                      [&](const StreamItem& item) { heard.push_back(item.observation->sensorLabel); });
     chain.process(item_of(7, "x"));
     EXPECT_EQ(journal, (Journal{"a:x@7", "b:x@7", "b:x.a@7", "c:x@7", "c:x.b@7", "c:x.a@7", "c:x.a.b@7"}));
     EXPECT_EQ(heard, (Journal{"x.a", "x.b", "x.a.b"}));
@@ -78,13 +80,15 @@ TEST(ModuleChain, several_publications_keep_their_order) {
     ModuleChain chain({std::make_shared<Scribe>("a", journal, 2), std::make_shared<Scribe>("b", journal, 0)});
     chain.process(item_of(0, "x"));
     chain.process(item_of(1, "y"));
-    EXPECT_EQ(journal, (Journal{"a:x@0", "b:x@0", "b:x.a@0", "b:x.a@0", "a:y@1", "b:y@1", "b:y.a@1", "b:y.a@1"}));
+    EXPECT_EQ(journal,
+              (Journal{"a:x@0", "b:x@0", "b:x.a@0", "b:x.a@0", "a:y@1", "b:y@1", "b:y.a@1", "b:y.a@1"}));
 }
 
 TEST(Recorder, what_was_published_reads_back_as_a_log) {
     Folder folder;
     Recorder recorder(folder.path() / "run", {"CObservation2DRangeScan", "comments", "CObservationImage"});
-    EXPECT_FALSE(std::filesystem::exists(folder / "run")) << "nothing is written before there is something to write";
+    EXPECT_FALSE(std::filesystem::exists(folder / "run"))
+        << "nothing is written before there is something to write";
     mrpt::obs::CObservationComment comment, other;
     comment.sensorLabel = "comments";
     comment.text = "kept for its label";
@@ -103,7 +107,8 @@ TEST(Recorder, what_was_published_reads_back_as_a_log) {
     EXPECT_EQ(item.observation->sensorLabel, "anything");
     EXPECT_EQ(item.stamp_ns, 1'000'000'000);
     ASSERT_TRUE(source.next(item));
-    EXPECT_EQ(dynamic_cast<const mrpt::obs::CObservationComment&>(*item.observation).text, "kept for its label");
+    EXPECT_EQ(dynamic_cast<const mrpt::obs::CObservationComment&>(*item.observation).text,
+              "kept for its label");
     EXPECT_FALSE(source.next(item));
 }
 

@@ -1,5 +1,6 @@
-/// The objects of one rawlog, in order, and how the log ended. MRPT's own CRawlog takes every error for the end of the
-/// file; this tells them apart, each as one sentence that names the file, and delivers everything before the damage.
+/// The objects of one rawlog, in order, and how the log ended. MRPT's own CRawlog takes every error for the
+/// end of the file; this tells them apart, each as one sentence that names the file, and delivers everything
+/// before the damage.
 #pragma once
 
 #include <mrpt/serialization/CArchive.h>
@@ -20,12 +21,13 @@ enum class LogEnd {
     cut_short,      ///< ends inside an object or inside the gzip stream
     unknown_class,  ///< the format has no object length, so nothing after it can be read
     damaged,        ///< bytes that make no object
-    checksum,       ///< all objects were read, but the gzip checksum says that some differ from what was written
+    checksum,  ///< all objects were read, but the gzip checksum says that some differ from what was written
 };
 
 class ArchiveReader {
-   public:
-    /// Opens the log. Throws CommandError(exit_input_data) with one sentence if it is missing, a directory, or can't be read.
+ public:
+    /// Opens the log. Throws CommandError(exit_input_data) with one sentence if it is missing, a directory,
+    /// or can't be read.
     explicit ArchiveReader(const std::string& path, const ReadingRules& rules = {}, std::size_t input = 0);
 
     /// The next object; null when there is none, and then ending() says why.
@@ -39,7 +41,7 @@ class ArchiveReader {
     std::uint64_t file_bytes() const { return file_.file_bytes(); }
     std::uint64_t file_bytes_read() const { return file_.file_bytes_read(); }
 
-   private:
+ private:
     mrpt::serialization::CSerializable::Ptr end(LogEnd ending, const std::string& damage);
     mrpt::serialization::CSerializable::Ptr end_between_objects();
     mrpt::serialization::CSerializable::Ptr end_inside_object(const std::string& reason);

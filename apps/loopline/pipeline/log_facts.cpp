@@ -15,12 +15,14 @@ using mrpt::obs::CObservation2DRangeScan;
 
 bool differ(const mrpt::math::TPose3D& a, const mrpt::math::TPose3D& b) {
     constexpr double tolerance = 0.01;  // m and rad: a mount does not move that much
-    return std::abs(a.x - b.x) > tolerance || std::abs(a.y - b.y) > tolerance || std::abs(a.z - b.z) > tolerance ||
-           std::abs(std::remainder(a.yaw - b.yaw, 2 * M_PI)) > tolerance || std::abs(a.pitch - b.pitch) > tolerance ||
-           std::abs(a.roll - b.roll) > tolerance;
+    return std::abs(a.x - b.x) > tolerance || std::abs(a.y - b.y) > tolerance ||
+           std::abs(a.z - b.z) > tolerance || std::abs(std::remainder(a.yaw - b.yaw, 2 * M_PI)) > tolerance ||
+           std::abs(a.pitch - b.pitch) > tolerance || std::abs(a.roll - b.roll) > tolerance;
 }
 
-std::string quoted(const std::string& label) { return label.empty() ? "no label" : "the label \"" + label + "\""; }
+std::string quoted(const std::string& label) {
+    return label.empty() ? "no label" : "the label \"" + label + "\"";
+}
 
 }  // namespace
 
@@ -33,9 +35,9 @@ bool is_laser_scan(const mrpt::obs::CObservation& observation) {
     const char* name = observation.GetRuntimeClass()->className;
     const char* colon = std::strrchr(name, ':');
     if (colon != nullptr) name = colon + 1;
-    constexpr std::array<const char*, 5> classes = {"CObservation2DRangeScan", "CObservation2DRangeScanWithUncertainty",
-                                                    "CObservationVelodyneScan", "CObservationRotatingScan",
-                                                    "CObservationPointCloud"};
+    constexpr std::array<const char*, 5> classes = {
+        "CObservation2DRangeScan", "CObservation2DRangeScanWithUncertainty", "CObservationVelodyneScan",
+        "CObservationRotatingScan", "CObservationPointCloud"};
     for (const char* known : classes)
         if (std::strcmp(name, known) == 0) return true;
     return false;
@@ -73,8 +75,8 @@ bool LogFacts::has_class(const std::string& name) const {
 std::string LogFacts::inventory() const {
     std::string text;
     for (const auto& [key, sensor] : sensors_)
-        text += (text.empty() ? "" : ", ") + std::to_string(sensor.count) + " " + short_class_name(key.first) +
-                (key.second.empty() ? "" : " (" + key.second + ")");
+        text += (text.empty() ? "" : ", ") + std::to_string(sensor.count) + " " +
+                short_class_name(key.first) + (key.second.empty() ? "" : " (" + key.second + ")");
     return text.empty() ? "nothing" : text;
 }
 
@@ -84,8 +86,9 @@ std::vector<std::string> LogFacts::label_warnings() const {
     for (const auto& [key, sensor] : sensors_) {
         classes_of_label[key.second].insert(short_class_name(key.first));
         if (sensor.varies)
-            warnings.push_back("two laser scanners seem to share " + quoted(key.second) +
-                               ": its scans differ in their beams, aperture or place on the vehicle; give each its own");
+            warnings.push_back(
+                "two laser scanners seem to share " + quoted(key.second) +
+                ": its scans differ in their beams, aperture or place on the vehicle; give each its own");
     }
     for (const auto& [label, classes] : classes_of_label) {
         if (label.empty() || classes.size() < 2) continue;

@@ -18,13 +18,13 @@ struct SensorFacts {
     std::uint64_t count = 0;
     StampNs first_stamp_ns = 0;
     StampNs last_stamp_ns = 0;
-    std::size_t beams = 0;       ///< of the first scan; 0 if it is no planar scan
-    float aperture_rad = 0;      ///< of the first scan
-    bool varies = false;         ///< beams, aperture or the sensor's place on the vehicle changed
+    std::size_t beams = 0;   ///< of the first scan; 0 if it is no planar scan
+    float aperture_rad = 0;  ///< of the first scan
+    bool varies = false;     ///< beams, aperture or the sensor's place on the vehicle changed
 };
 
 class LogFacts {
-   public:
+ public:
     using SensorKey = std::pair<std::string, std::string>;  ///< class name as MRPT writes it, sensorLabel
 
     void add(const mrpt::obs::CObservation& observation, StampNs stamp_ns);
@@ -43,7 +43,7 @@ class LogFacts {
     /// A sentence for each label that two different sensors seem to share.
     std::vector<std::string> label_warnings() const;
 
-   private:
+ private:
     std::map<SensorKey, SensorFacts> sensors_;
     std::map<SensorKey, mrpt::math::TPose3D> first_scan_poses_;
     std::uint64_t observations_ = 0, scans_ = 0;

@@ -22,14 +22,16 @@ LogFile::LogFile(const std::string& path) : path_(path), input_(input_bytes) {
     if (descriptor_ < 0 && errno == ENOENT)
         throw CommandError(exit_input_data, path + ": there is no such rawlog; check the path");
     if (descriptor_ < 0)
-        throw CommandError(exit_input_data, path + ": this rawlog can't be opened (" + std::strerror(errno) + ")");
+        throw CommandError(exit_input_data,
+                           path + ": this rawlog can't be opened (" + std::strerror(errno) + ")");
     struct stat facts {};
     ::fstat(descriptor_, &facts);
     if (!S_ISREG(facts.st_mode)) {
         ::close(descriptor_);
-        throw CommandError(exit_input_data, path + (S_ISDIR(facts.st_mode)
-                                                        ? ": this is a directory; give a rawlog file in it"
-                                                        : ": this is no regular file; a rawlog is read more than once"));
+        throw CommandError(
+            exit_input_data,
+            path + (S_ISDIR(facts.st_mode) ? ": this is a directory; give a rawlog file in it"
+                                           : ": this is no regular file; a rawlog is read more than once"));
     }
     file_bytes_ = static_cast<std::uint64_t>(facts.st_size);
     fill_input();
@@ -61,7 +63,9 @@ std::size_t LogFile::Read(void* destination, std::size_t size) {
     return size;
 }
 
-std::size_t LogFile::Write(const void*, std::size_t) { throw std::logic_error("a LogFile is for reading"); }
+std::size_t LogFile::Write(const void*, std::size_t) {
+    throw std::logic_error("a LogFile is for reading");
+}
 
 bool LogFile::fail(Failure failure) {
     failure_ = failure;
@@ -111,7 +115,8 @@ bool LogFile::refill_inflated() {
             inside_member_ = true;
         }
         const int status = inflate(&inflater_, Z_NO_FLUSH);
-        if (status == Z_STREAM_END) inside_member_ = false;
+        if (status == Z_STREAM_END)
+            inside_member_ = false;
         else if (status != Z_OK && status != Z_BUF_ERROR) {
             const bool trailer = inflater_.msg != nullptr && std::strstr(inflater_.msg, "check") != nullptr &&
                                  std::strstr(inflater_.msg, "header") == nullptr;

@@ -1,6 +1,7 @@
-/// The bytes of a rawlog, plain or gzip, for mrpt::serialization::archiveFrom(). In place of CFileGZInputStream, which
-/// hides why a read came short: this one tells a cut file from damaged bytes and from a wrong gzip checksum, loses none
-/// of the bytes before the damage, and costs less (its small reads are copies from one buffer).
+/// The bytes of a rawlog, plain or gzip, for mrpt::serialization::archiveFrom(). In place of
+/// CFileGZInputStream, which hides why a read came short: this one tells a cut file from damaged bytes and
+/// from a wrong gzip checksum, loses none of the bytes before the damage, and costs less (its small reads are
+/// copies from one buffer).
 #pragma once
 
 #include <zlib.h>
@@ -13,7 +14,7 @@
 namespace loopline {
 
 class LogFile {
-   public:
+ public:
     enum class Failure {
         none,
         cut_short,     ///< the file ends inside a read, or inside the gzip stream
@@ -22,8 +23,8 @@ class LogFile {
         io_error,      ///< the system failed to read
     };
 
-    /// Opens the file. Throws CommandError(exit_input_data) with one sentence if it is missing, a directory, not a
-    /// regular file, or may not be read.
+    /// Opens the file. Throws CommandError(exit_input_data) with one sentence if it is missing, a directory,
+    /// not a regular file, or may not be read.
     explicit LogFile(const std::string& path);
     ~LogFile();
     LogFile(const LogFile&) = delete;
@@ -42,7 +43,7 @@ class LogFile {
     std::size_t Write(const void*, std::size_t);
     std::string getStreamDescription() const { return path_; }
 
-   private:
+ private:
     bool refill();
     bool refill_plain();
     bool refill_inflated();

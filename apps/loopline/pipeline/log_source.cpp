@@ -75,13 +75,15 @@ void LogSource::stamp_head(Input& input) {
     } else if (input.any_stamp && *own_stamp_ns < input.last_stamp_ns) {
         ++input.backwards;
         // Unsigned: the distance of two damaged stamps may not fit.
-        const auto step_ns = static_cast<std::uint64_t>(input.last_stamp_ns) - static_cast<std::uint64_t>(*own_stamp_ns);
+        const auto step_ns =
+            static_cast<std::uint64_t>(input.last_stamp_ns) - static_cast<std::uint64_t>(*own_stamp_ns);
         input.worst_backwards_ns = static_cast<StampNs>(
             std::max(static_cast<std::uint64_t>(input.worst_backwards_ns),
                      std::min<std::uint64_t>(step_ns, std::numeric_limits<StampNs>::max())));
     }
     input.head_stamp_ns = own_stamp_ns.value_or(input.last_stamp_ns);
-    input.merge_key_ns = input.any_stamp ? std::max(input.merge_key_ns, input.head_stamp_ns) : input.head_stamp_ns;
+    input.merge_key_ns =
+        input.any_stamp ? std::max(input.merge_key_ns, input.head_stamp_ns) : input.head_stamp_ns;
     input.last_stamp_ns = input.head_stamp_ns;
     input.any_stamp = input.any_stamp || own_stamp_ns;
 }
@@ -105,8 +107,8 @@ std::vector<std::string> LogSource::warnings() const {
             sentences.push_back(path + ": " + std::to_string(input->missing_stamps) +
                                 " observations have no stamp, and take the one before them");
         if (input->splitter.refused_increments() > 0)
-            sentences.push_back(path + ": left out " + std::to_string(input->splitter.refused_increments()) + " " +
-                                refused_increments);
+            sentences.push_back(path + ": left out " + std::to_string(input->splitter.refused_increments()) +
+                                " " + refused_increments);
     }
     for (const auto& [reason, times] : refusals_)
         sentences.push_back("left out " + std::to_string(times) + " " + reason);

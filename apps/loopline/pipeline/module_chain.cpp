@@ -16,18 +16,23 @@ double milliseconds_since(Clock::time_point start) {
 
 /// Appends what is published to the items of the next module.
 class ModuleChain::Collector : public Publisher {
-   public:
+ public:
     Collector(std::vector<StreamItem>& items, const Listener& listener, const StreamItem& cause)
-        : items_(items), listener_(listener), cause_sequence_(cause.sequence), cause_stamp_ns_(cause.stamp_ns) {}
+        : items_(items),
+          listener_(listener),
+          cause_sequence_(cause.sequence),
+          cause_stamp_ns_(cause.stamp_ns) {}
 
-    void publish(const mrpt::obs::CObservation::Ptr& observation) override { publish(observation, cause_sequence_); }
+    void publish(const mrpt::obs::CObservation::Ptr& observation) override {
+        publish(observation, cause_sequence_);
+    }
     void publish(const mrpt::obs::CObservation::Ptr& observation, std::uint64_t sequence) override {
         const StampNs stamp_ns = stamp_from_mrpt(observation->timestamp).value_or(cause_stamp_ns_);
         items_.push_back({sequence, stamp_ns, observation});
         if (listener_) listener_(items_.back());
     }
 
-   private:
+ private:
     std::vector<StreamItem>& items_;
     const Listener& listener_;
     std::uint64_t cause_sequence_;

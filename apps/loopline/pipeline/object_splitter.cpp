@@ -36,7 +36,9 @@ void ObjectSplitter::take(const mrpt::serialization::CSerializable::Ptr& object)
     }
 }
 
-void ObjectSplitter::end() { release_held_frame(); }
+void ObjectSplitter::end() {
+    release_held_frame();
+}
 
 CObservation::Ptr ObjectSplitter::pop() {
     if (ready_.empty()) return {};
@@ -46,7 +48,8 @@ CObservation::Ptr ObjectSplitter::pop() {
 }
 
 /// Wheel odometry if there is any; else the first movement, whatever it was estimated from.
-std::optional<ObjectSplitter::Movement> ObjectSplitter::movement_in(const mrpt::obs::CActionCollection& actions) {
+std::optional<ObjectSplitter::Movement> ObjectSplitter::movement_in(
+    const mrpt::obs::CActionCollection& actions) {
     std::optional<Movement> movement;
     for (const auto& action : actions) {
         if (!action.get_ptr()) continue;
@@ -90,8 +93,10 @@ void ObjectSplitter::take_actions(const mrpt::obs::CActionCollection& actions) {
 
 void ObjectSplitter::take_frame(const mrpt::obs::CSensoryFrame::Ptr& frame) {
     release_held_frame();
-    if (!any_frame_ && !odometry_due_) held_frame_ = frame;
-    else deliver(*frame);
+    if (!any_frame_ && !odometry_due_)
+        held_frame_ = frame;
+    else
+        deliver(*frame);
 }
 
 void ObjectSplitter::release_held_frame() {

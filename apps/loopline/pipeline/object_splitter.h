@@ -1,7 +1,7 @@
-/// Turns the objects of either rawlog format into observations in their order. In the format of sensory frames,
-/// odometry comes as actions between the frames, increments mostly without a stamp: each becomes a cumulative
-/// CObservationOdometry (sensorLabel "odometry"), stamped like the first observation of the frame after it and delivered
-/// just before that. The vehicle's pose at the first frame is the origin.
+/// Turns the objects of either rawlog format into observations in their order. In the format of sensory
+/// frames, odometry comes as actions between the frames, increments mostly without a stamp: each becomes a
+/// cumulative CObservationOdometry (sensorLabel "odometry"), stamped like the first observation of the frame
+/// after it and delivered just before that. The vehicle's pose at the first frame is the origin.
 #pragma once
 
 #include <mrpt/obs/CActionCollection.h>
@@ -18,7 +18,7 @@
 namespace loopline {
 
 class ObjectSplitter {
-   public:
+ public:
     void take(const mrpt::serialization::CSerializable::Ptr& object);
     /// No object follows: lets go of what was held back.
     void end();
@@ -26,12 +26,13 @@ class ObjectSplitter {
     /// The next observation; null if another object is needed.
     mrpt::obs::CObservation::Ptr pop();
 
-    /// Odometry increments dropped because they are not finite, or longer than any vehicle moves between two scans.
+    /// Odometry increments dropped because they are not finite, or longer than any vehicle moves between two
+    /// scans.
     std::uint64_t refused_increments() const { return refused_increments_; }
     /// Objects that are neither frames, actions nor observations.
     std::uint64_t other_objects() const { return other_objects_; }
 
-   private:
+ private:
     struct Movement {
         Pose2 increment;
         const mrpt::obs::CActionRobotMovement2D* planar = nullptr;  ///< has ticks and velocities, perhaps

@@ -12,19 +12,23 @@ namespace {
 
 using namespace mrpt::obs;
 
-constexpr double farthest_sensor_m = 1e3;       // from its vehicle's origin
-constexpr double farthest_position_m = 1e8;     // twice round the Earth
+constexpr double farthest_sensor_m = 1e3;    // from its vehicle's origin
+constexpr double farthest_position_m = 1e8;  // twice round the Earth
 constexpr float farthest_range_m = 1e5F;
 constexpr std::size_t most_beams = 200'000;
 
-bool finite_within(double value, double bound) { return std::isfinite(value) && std::abs(value) <= bound; }
+bool finite_within(double value, double bound) {
+    return std::isfinite(value) && std::abs(value) <= bound;
+}
 
 const char* refusal_of_scan(CObservation2DRangeScan& scan) {
     if (scan.getScanSize() < 2) return "laser scans without beams";
     if (scan.getScanSize() > most_beams) return "laser scans with more than 200000 beams";
-    if (!std::isfinite(scan.aperture) || scan.aperture <= 0 || scan.aperture > static_cast<float>(2 * M_PI + 1e-3))
+    if (!std::isfinite(scan.aperture) || scan.aperture <= 0 ||
+        scan.aperture > static_cast<float>(2 * M_PI + 1e-3))
         return "laser scans whose aperture is not within 0 .. 360 deg";
-    if (!std::isfinite(scan.maxRange) || scan.maxRange <= 0) return "laser scans whose maximum range is not above 0";
+    if (!std::isfinite(scan.maxRange) || scan.maxRange <= 0)
+        return "laser scans whose maximum range is not above 0";
     if (!finite_within(scan.deltaPitch, 2 * M_PI) || !std::isfinite(scan.stdError) || scan.stdError < 0 ||
         !std::isfinite(scan.beamAperture) || scan.beamAperture < 0)
         return "laser scans with impossible properties";
@@ -49,14 +53,16 @@ const char* refusal_of_odometry(const CObservationOdometry& odometry) {
 
 const char* refusal_of_imu(const CObservationIMU& imu) {
     for (std::size_t i = 0; i < imu.rawMeasurements.size(); ++i)
-        if (imu.dataIsPresent[i] && !std::isfinite(imu.rawMeasurements[i])) return "inertial readings that are not finite";
+        if (imu.dataIsPresent[i] && !std::isfinite(imu.rawMeasurements[i]))
+            return "inertial readings that are not finite";
     return nullptr;
 }
 
 bool sane_sensor_pose(const CObservation& observation) {
     mrpt::poses::CPose3D T_base_sensor;
     observation.getSensorPose(T_base_sensor);
-    return finite_within(T_base_sensor.x(), farthest_sensor_m) && finite_within(T_base_sensor.y(), farthest_sensor_m) &&
+    return finite_within(T_base_sensor.x(), farthest_sensor_m) &&
+           finite_within(T_base_sensor.y(), farthest_sensor_m) &&
            finite_within(T_base_sensor.z(), farthest_sensor_m) && finite_within(T_base_sensor.yaw(), 10) &&
            finite_within(T_base_sensor.pitch(), 10) && finite_within(T_base_sensor.roll(), 10);
 }

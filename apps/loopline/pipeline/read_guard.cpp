@@ -11,7 +11,8 @@ namespace loopline {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr bool can_limit_memory = false;  // its shadow memory is terabytes of address space; see the end of this file
+constexpr bool can_limit_memory =
+    false;  // its shadow memory is terabytes of address space; see the end of this file
 #else
 constexpr bool can_limit_memory = true;
 #endif

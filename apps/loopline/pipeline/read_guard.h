@@ -1,5 +1,5 @@
-/// Damaged bytes can make MRPT's readers allocate gigabytes, hang or crash. This lowers the process's memory limit while
-/// it is inside CArchive::ReadObject(), and marks that for the supervisor, if there is one.
+/// Damaged bytes can make MRPT's readers allocate gigabytes, hang or crash. This lowers the process's memory
+/// limit while it is inside CArchive::ReadObject(), and marks that for the supervisor, if there is one.
 #pragma once
 
 #include <sys/resource.h>
@@ -19,14 +19,15 @@ struct ReadLimit {
     std::string reason;  ///< "it crashes the reader"
 };
 
-/// How to read: alone (nothing set; a crash in MRPT's reader ends the process), or as a worker under a supervisor.
+/// How to read: alone (nothing set; a crash in MRPT's reader ends the process), or as a worker under a
+/// supervisor.
 struct ReadingRules {
     WorkerState* state = nullptr;
     std::vector<std::optional<ReadLimit>> limits;  ///< per input
 };
 
 class ReadGuard {
-   public:
+ public:
     /// `file_bytes` sets the memory that one object of the file may take at most.
     ReadGuard(WorkerState* state, int input, std::uint64_t file_bytes);
     ~ReadGuard();
@@ -37,7 +38,7 @@ class ReadGuard {
     void enter(std::uint64_t object);
     void leave();
 
-   private:
+ private:
     void measure_address_space();
 
     WorkerState* state_;

@@ -57,7 +57,8 @@ void Recorder::write(const mrpt::obs::CObservation& observation) {
 std::vector<std::string> Recorder::commit() {
     std::vector<std::string> sentences;
     for (const auto& name : unseen_)
-        sentences.push_back("[outputs] record names " + name + ", but no module published such an observation");
+        sentences.push_back("[outputs] record names " + name +
+                            ", but no module published such an observation");
     if (!file_) return sentences;
     file_.reset();
     std::filesystem::rename(folder_ / unfinished_name, folder_ / "recorded.rawlog");
