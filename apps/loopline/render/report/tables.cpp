@@ -1,0 +1,161 @@
+/// Pictures, and the lists of modules, inputs and files.
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "render/report/html.h"
+#include "render/report/sections.h"
+
+namespace loopline {
+namespace {
+
+using html::escaped;
+
+constexpr std::size_t most_bytes_per_picture = 500'000;  // keeps the page well under 3 MB
+
+bool ends_with(const std::string& text, const char* end) {
+    const std::size_t length = std::strlen(end);
+    return text.size() >= length && text.compare(text.size() - length, length, end) == 0;
+}
+
+struct EmbeddedPicture {
+    std::string data_url;
+    int width_px = 0, height_px = 0;
+};
+
+/// The PNG itself, or where it is large, as dense clouds of points are, a JPEG of it, made smaller until it
+/// fits.
+EmbeddedPicture embedded(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string png(std::istreambuf_iterator<char>(in), {});
+    cv::Mat picture = cv::imdecode(
+        cv::Mat(1, static_cast<int>(png.size()), CV_8UC1, const_cast<char*>(png.data())), cv::IMREAD_COLOR);
+    if (png.empty() || picture.empty()) return {};
+    const int width_px = picture.cols, height_px = picture.rows;
+    if (png.size() <= most_bytes_per_picture)
+        return {"data:image/png;base64," + html::base64(png), width_px, height_px};
+    std::vector<unsigned char> jpeg;
+    for (;;) {
+        cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, 88});
+        if (jpeg.size() <= most_bytes_per_picture || picture.cols < 400) break;
+        cv::resize(picture, picture, {}, 0.75, 0.75, cv::INTER_AREA);
+    }
+    return {
+        "data:image/jpeg;base64," + html::base64({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}),
+        width_px, height_px};
+}
+
+std::string caption_of(const std::string& stem) {
+    if (stem == "top") return "The map from above";
+    if (stem == "axonometric") return "Axonometric view; walls are raised to be seen, the scan is planar";
+    if (stem == "before_after") return "Scan points placed by dead reckoning, and by the estimate";
+    if (stem == "follow") return "Behind the vehicle at its last pose";
+    std::string text = stem;
+    std::replace(text.begin(), text.end(), '_', ' ');
+    return text;
+}
+
+std::string figure_of(const RunFiles& run, const std::string& path) {
+    const EmbeddedPicture picture = embedded(run.folder / path);
+    if (picture.data_url.empty()) return {};
+    const std::string caption = escaped(caption_of(std::filesystem::path(path).stem().string()));
+    return "<figure><a href=\"" + html::relative_link(path) + "\"><img alt=\"" + caption + "\" width=\"" +
+           std::to_string(picture.width_px) + "\" height=\"" + std::to_string(picture.height_px) +
+           "\" src=\"" + picture.data_url + "\"></a><figcaption>" + caption + "</figcaption></figure>\n";
+}
+
+double number_at(const nlohmann::ordered_json& object, const char* key) {
+    const auto found = object.find(key);
+    return found != object.end() && found->is_number() ? found->get<double>() : 0;
+}
+
+std::string cell(const std::string& text, const char* css_class = "") {
+    return std::string("<td") + (*css_class ? std::string(" class=\"") + css_class + "\"" : "") + ">" + text +
+           "</td>";
+}
+
+}  // namespace
+
+std::string pictures_section(const RunFiles& run) {
+    std::vector<std::string> paths;
+    for (const auto& file : run.files)
+        if (file.path.rfind("snapshots/", 0) == 0 && ends_with(file.path, ".png")) paths.push_back(file.path);
+    const auto rank = [](const std::string& path) {
+        const char* order[] = {"snapshots/top.png", "snapshots/before_after.png",
+                               "snapshots/axonometric.png"};
+        return std::find(std::begin(order), std::end(order), path) - std::begin(order);
+    };
+    std::stable_sort(paths.begin(), paths.end(),
+                     [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+    std::string figures;
+    constexpr std::size_t most_pictures = 4;
+    for (std::size_t i = 0; i < paths.size() && i < most_pictures; ++i) figures += figure_of(run, paths[i]);
+    return figures.empty() ? ""
+                           : "<h2>Pictures</h2>\n<section class=\"pictures\">\n" + figures + "</section>\n";
+}
+
+std::string modules_section(const RunFiles& run) {
+    const auto modules = run.metrics.find("modules");
+    if (modules == run.metrics.end() || !modules->is_object() || modules->empty()) return {};
+    double largest_ms = 1e-9;
+    const auto total_ms = [](const nlohmann::ordered_json& m) {
+        return number_at(m, "calls") * number_at(m, "mean_ms");
+    };
+    for (const auto& [name, module] : modules->items())
+        if (module.is_object()) largest_ms = std::max(largest_ms, total_ms(module));
+    std::string rows;
+    for (const auto& [name, module] : modules->items()) {
+        if (!module.is_object()) continue;
+        const double total = total_ms(module), share = total / largest_ms;
+        rows += "<tr>" + cell(escaped(name)) + cell(html::number(number_at(module, "calls"))) +
+                cell(html::number(number_at(module, "mean_ms"), 3)) +
+                cell(html::number(number_at(module, "worst_ms"), 3)) + cell(html::number(total, 3)) +
+                cell("<span class=\"bar\" style=\"width:" + html::number(100 * share, 3) + "%\"></span>",
+                     "share") +
+                "</tr>\n";
+    }
+    return "<h2>Time spent in modules</h2>\n<div "
+           "class=\"wide\"><table><tr><th>module</th><th>calls</th><th>mean, ms</th><th>worst, ms</th><th>in "
+           "all, ms</th><th></th></tr>\n" +
+           rows + "</table></div>\n";
+}
+
+std::string inputs_section(const RunFiles& run) {
+    const auto inputs = run.manifest.find("inputs");
+    if (inputs == run.manifest.end() || !inputs->is_array() || inputs->empty()) return {};
+    std::string rows;
+    for (const auto& input : *inputs) {
+        if (!input.is_object()) continue;
+        const auto text = [&input](const char* key) {
+            return input.contains(key) && input[key].is_string() ? input[key].get<std::string>()
+                                                                 : std::string();
+        };
+        const std::string damage = text("damage");
+        rows += "<tr>" + cell(escaped(text("path")), "left") +
+                cell(html::file_size(static_cast<std::uintmax_t>(number_at(input, "bytes"))), "size") +
+                cell(html::number(number_at(input, "objects_read"))) +
+                cell(damage.empty() ? "read to its end" : escaped(damage), "left") +
+                cell(escaped(text("sha256")), "hash") + "</tr>\n";
+    }
+    return "<h2>Inputs</h2>\n<div class=\"wide\"><table><tr><th>file</th><th>size</th><th>objects</th><th "
+           "class=\"left\">state</th><th class=\"left\">SHA-256</th></tr>\n" +
+           rows + "</table></div>\n";
+}
+
+std::string config_section(const RunFiles& run) {
+    if (run.config_ini.empty()) return {};
+    return "<h2>Configuration</h2>\n<details><summary>Every parameter of this run</summary><pre>" +
+           escaped(run.config_ini) + "</pre></details>\n";
+}
+
+std::string files_section(const RunFiles& run) {
+    std::string items;
+    for (const auto& file : run.files)
+        items += "<li><a href=\"" + html::relative_link(file.path) + "\">" + escaped(file.path) +
+                 "</a> <span class=\"quiet\">" + html::file_size(file.bytes) + "</span></li>\n";
+    return items.empty() ? "" : "<h2>Files</h2>\n<ul class=\"files\">\n" + items + "</ul>\n";
+}
+
+}  // namespace loopline
