@@ -14,21 +14,23 @@ namespace loopline {
 struct InputRecord {
     std::string path;
     std::uint64_t bytes = 0;
-    std::string sha256;           ///< of the file
-    std::uint64_t objects = 0;    ///< read before the end or the damage
-    std::string damage;           ///< one sentence if the log is damaged; empty if it was read to its end
+    std::string sha256;         ///< of the file
+    std::uint64_t objects = 0;  ///< read before the end or the damage
+    std::string damage;         ///< one sentence if the log is damaged; empty if it was read to its end
 };
 
 struct ModuleTiming {
     std::uint64_t calls = 0;
     double total_ms = 0;
     double worst_ms = 0;
+    double finish_ms = 0;  ///< at the end of the log, not in total_ms
 };
 
 struct RunRecord {
     std::string status = "done";  ///< done, interrupted, damaged_input, refused
     int exit_code = 0;
-    std::vector<std::string> warnings;  ///< sentences: stamps going backwards, two sensors with one label, ...
+    std::vector<std::string>
+        warnings;  ///< sentences: stamps going backwards, two sensors with one label, ...
     std::vector<InputRecord> inputs;
 
     std::uint64_t scans_read = 0;  ///< laser scans in the log

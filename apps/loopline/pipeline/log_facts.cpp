@@ -1,0 +1,102 @@
+#include "pipeline/log_facts.h"
+
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/poses/CPose3D.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <set>
+
+namespace loopline {
+namespace {
+
+using mrpt::obs::CObservation2DRangeScan;
+
+bool differ(const mrpt::math::TPose3D& a, const mrpt::math::TPose3D& b) {
+    constexpr double tolerance = 0.01;  // m and rad: a mount does not move that much
+    return std::abs(a.x - b.x) > tolerance || std::abs(a.y - b.y) > tolerance ||
+           std::abs(a.z - b.z) > tolerance || std::abs(std::remainder(a.yaw - b.yaw, 2 * M_PI)) > tolerance ||
+           std::abs(a.pitch - b.pitch) > tolerance || std::abs(a.roll - b.roll) > tolerance;
+}
+
+std::string quoted(const std::string& label) {
+    return label.empty() ? "no label" : "the label \"" + label + "\"";
+}
+
+}  // namespace
+
+std::string short_class_name(const std::string& name) {
+    const auto colon = name.rfind(':');
+    return colon == std::string::npos ? name : name.substr(colon + 1);
+}
+
+bool is_laser_scan(const mrpt::obs::CObservation& observation) {
+    const char* name = observation.GetRuntimeClass()->className;
+    const char* colon = std::strrchr(name, ':');
+    if (colon != nullptr) name = colon + 1;
+    constexpr std::array<const char*, 5> classes = {
+        "CObservation2DRangeScan", "CObservation2DRangeScanWithUncertainty", "CObservationVelodyneScan",
+        "CObservationRotatingScan", "CObservationPointCloud"};
+    for (const char* known : classes)
+        if (std::strcmp(name, known) == 0) return true;
+    return false;
+}
+
+void LogFacts::add(const mrpt::obs::CObservation& observation, StampNs stamp_ns) {
+    if (observations_++ == 0) first_stamp_ns_ = stamp_ns;
+    last_stamp_ns_ = stamp_ns;
+    if (is_laser_scan(observation)) ++scans_;
+
+    const SensorKey key{observation.GetRuntimeClass()->className, observation.sensorLabel};
+    auto& sensor = sensors_[key];
+    if (sensor.count++ == 0) sensor.first_stamp_ns = stamp_ns;
+    sensor.last_stamp_ns = stamp_ns;
+    if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
+        const auto pose = scan->sensorPose.asTPose();
+        if (sensor.count == 1) {
+            sensor.beams = scan->getScanSize();
+            sensor.aperture_rad = scan->aperture;
+            first_scan_poses_[key] = pose;
+        } else if (!sensor.varies) {
+            sensor.varies = sensor.beams != scan->getScanSize() ||
+                            std::abs(sensor.aperture_rad - scan->aperture) > 1e-4F ||
+                            differ(pose, first_scan_poses_[key]);
+        }
+    }
+}
+
+bool LogFacts::has_class(const std::string& name) const {
+    for (const auto& [key, sensor] : sensors_)
+        if (short_class_name(key.first) == short_class_name(name)) return true;
+    return false;
+}
+
+std::string LogFacts::inventory() const {
+    std::string text;
+    for (const auto& [key, sensor] : sensors_)
+        text += (text.empty() ? "" : ", ") + std::to_string(sensor.count) + " " +
+                short_class_name(key.first) + (key.second.empty() ? "" : " (" + key.second + ")");
+    return text.empty() ? "nothing" : text;
+}
+
+std::vector<std::string> LogFacts::label_warnings() const {
+    std::vector<std::string> warnings;
+    std::map<std::string, std::set<std::string>> classes_of_label;
+    for (const auto& [key, sensor] : sensors_) {
+        classes_of_label[key.second].insert(short_class_name(key.first));
+        if (sensor.varies)
+            warnings.push_back(
+                "two laser scanners seem to share " + quoted(key.second) +
+                ": its scans differ in their beams, aperture or place on the vehicle; give each its own");
+    }
+    for (const auto& [label, classes] : classes_of_label) {
+        if (label.empty() || classes.size() < 2) continue;
+        std::string names;
+        for (const auto& name : classes) names += (names.empty() ? "" : " and ") + name;
+        warnings.push_back("two sensors share " + quoted(label) + ": " + names + "; give each its own");
+    }
+    return warnings;
+}
+
+}  // namespace loopline

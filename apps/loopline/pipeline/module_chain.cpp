@@ -1,0 +1,96 @@
+#include "pipeline/module_chain.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace loopline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+/// Appends what is published to the items of the next module.
+class ModuleChain::Collector : public Publisher {
+ public:
+    Collector(std::vector<StreamItem>& items, const Listener& listener, const StreamItem& cause)
+        : items_(items),
+          listener_(listener),
+          cause_sequence_(cause.sequence),
+          cause_stamp_ns_(cause.stamp_ns) {}
+
+    void publish(const mrpt::obs::CObservation::Ptr& observation) override {
+        publish(observation, cause_sequence_);
+    }
+    void publish(const mrpt::obs::CObservation::Ptr& observation, std::uint64_t sequence) override {
+        const StampNs stamp_ns = stamp_from_mrpt(observation->timestamp).value_or(cause_stamp_ns_);
+        items_.push_back({sequence, stamp_ns, observation});
+        if (listener_) listener_(items_.back());
+    }
+
+ private:
+    std::vector<StreamItem>& items_;
+    const Listener& listener_;
+    std::uint64_t cause_sequence_;
+    StampNs cause_stamp_ns_;
+};
+
+ModuleChain::ModuleChain(const std::vector<Module::Ptr>& modules, WorkerState* state, Listener listener)
+    : modules_(modules), timings_(modules.size()), state_(state), listener_(std::move(listener)) {}
+
+void ModuleChain::start(const RunContext& context) {
+    for (const auto& module : modules_) module->start(context);
+}
+
+void ModuleChain::process(const StreamItem& item) {
+    items_.assign(1, item);
+    flow(0, item.sequence);
+}
+
+void ModuleChain::flow(std::size_t first, std::uint64_t root_sequence) {
+    for (std::size_t i = first; i < modules_.size(); ++i) {
+        if (state_ != nullptr) state_->enter(WorkerState::Stage::module, static_cast<int>(i), root_sequence);
+        auto& timing = timings_[i];
+        next_items_.clear();
+        for (const auto& item : items_) {
+            next_items_.push_back(item);
+            Collector publisher(next_items_, listener_, item);
+            const auto start = Clock::now();
+            modules_[i]->process(item, publisher);
+            const double elapsed_ms = milliseconds_since(start);
+            ++timing.calls;
+            timing.total_ms += elapsed_ms;
+            timing.worst_ms = std::max(timing.worst_ms, elapsed_ms);
+        }
+        items_.swap(next_items_);
+    }
+    if (state_ != nullptr) state_->stage.store(WorkerState::Stage::idle, std::memory_order_relaxed);
+}
+
+void ModuleChain::finish(Results& results) {
+    StreamItem last;
+    for (std::size_t i = 0; i < modules_.size(); ++i) {
+        if (state_ != nullptr)
+            state_->enter(WorkerState::Stage::module, static_cast<int>(i), WorkerState::at_the_end);
+        items_.clear();
+        const auto start = Clock::now();
+        Collector publisher(items_, listener_, last);
+        modules_[i]->drain(publisher);
+        timings_[i].finish_ms += milliseconds_since(start);
+        if (!items_.empty()) flow(i + 1, WorkerState::at_the_end);
+    }
+    for (std::size_t i = 0; i < modules_.size(); ++i) {
+        if (state_ != nullptr)
+            state_->enter(WorkerState::Stage::module, static_cast<int>(i), WorkerState::at_the_end);
+        const auto start = Clock::now();
+        modules_[i]->finish(results);
+        timings_[i].finish_ms += milliseconds_since(start);
+    }
+    if (state_ != nullptr) state_->stage.store(WorkerState::Stage::idle, std::memory_order_relaxed);
+}
+
+}  // namespace loopline

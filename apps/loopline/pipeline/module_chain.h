@@ -1,0 +1,49 @@
+/// Takes every item of the log through the modules. Order: a module sees an item, and for each item that it
+/// sees, right after it, what the module before it published on it. So module i+1 gets item, then what module
+/// i published on the item, then what module i-1 published, each followed by what module i published on that,
+/// and so on: every module has seen everything that a publication is based on, and no thread or clock has a
+/// say.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "api/module.h"
+#include "pipeline/run_record.h"
+#include "pipeline/worker_state.h"
+
+namespace loopline {
+
+class ModuleChain {
+ public:
+    /// Called for each published observation, in the order of publication.
+    using Listener = std::function<void(const StreamItem&)>;
+
+    /// `state` may be null; it tells the supervisor which module is at work.
+    explicit ModuleChain(const std::vector<Module::Ptr>& modules, WorkerState* state = nullptr,
+                         Listener listener = {});
+
+    void start(const RunContext& context);
+    void process(const StreamItem& item);
+    /// After the last item: drain() in chain order, each followed by the later modules' process() of what it
+    /// published, and then finish() in chain order.
+    void finish(Results& results);
+
+    const std::vector<Module::Ptr>& modules() const { return modules_; }
+    /// In chain order. A module's calls are those of process(); finish_ms is drain() and finish() together.
+    const std::vector<ModuleTiming>& timings() const { return timings_; }
+
+ private:
+    class Collector;
+    /// Takes `items` through the modules from `first` on.
+    void flow(std::size_t first, std::uint64_t root_sequence);
+
+    std::vector<Module::Ptr> modules_;
+    std::vector<ModuleTiming> timings_;
+    WorkerState* state_;
+    Listener listener_;
+    std::vector<StreamItem> items_, next_items_;  ///< of the module at work, and of the one after it
+};
+
+}  // namespace loopline

@@ -1,0 +1,81 @@
+#include "pipeline/observation_gate.h"
+
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationIMU.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/poses/CPose3D.h>
+
+#include <cmath>
+
+namespace loopline {
+namespace {
+
+using namespace mrpt::obs;
+
+constexpr double farthest_sensor_m = 1e3;    // from its vehicle's origin
+constexpr double farthest_position_m = 1e8;  // twice round the Earth
+constexpr float farthest_range_m = 1e5F;
+constexpr std::size_t most_beams = 200'000;
+
+bool finite_within(double value, double bound) {
+    return std::isfinite(value) && std::abs(value) <= bound;
+}
+
+const char* refusal_of_scan(CObservation2DRangeScan& scan) {
+    if (scan.getScanSize() < 2) return "laser scans without beams";
+    if (scan.getScanSize() > most_beams) return "laser scans with more than 200000 beams";
+    if (!std::isfinite(scan.aperture) || scan.aperture <= 0 ||
+        scan.aperture > static_cast<float>(2 * M_PI + 1e-3))
+        return "laser scans whose aperture is not within 0 .. 360 deg";
+    if (!std::isfinite(scan.maxRange) || scan.maxRange <= 0)
+        return "laser scans whose maximum range is not above 0";
+    if (!finite_within(scan.deltaPitch, 2 * M_PI) || !std::isfinite(scan.stdError) || scan.stdError < 0 ||
+        !std::isfinite(scan.beamAperture) || scan.beamAperture < 0)
+        return "laser scans with impossible properties";
+    for (std::size_t i = 0; i < scan.getScanSize(); ++i) {
+        const float range_m = scan.getScanRange(i);
+        if (range_m > 0 && range_m < farthest_range_m) continue;  // false for NaN
+        scan.setScanRange(i, 0);
+        scan.setScanRangeValidity(i, false);
+    }
+    return nullptr;
+}
+
+const char* refusal_of_odometry(const CObservationOdometry& odometry) {
+    const bool sane = finite_within(odometry.odometry.x(), farthest_position_m) &&
+                      finite_within(odometry.odometry.y(), farthest_position_m) &&
+                      finite_within(odometry.odometry.phi(), 1e6) &&
+                      (!odometry.hasVelocities || (finite_within(odometry.velocityLocal.vx, 1e4) &&
+                                                   finite_within(odometry.velocityLocal.vy, 1e4) &&
+                                                   finite_within(odometry.velocityLocal.omega, 1e4)));
+    return sane ? nullptr : "odometry readings that are not finite or absurdly far";
+}
+
+const char* refusal_of_imu(const CObservationIMU& imu) {
+    for (std::size_t i = 0; i < imu.rawMeasurements.size(); ++i)
+        if (imu.dataIsPresent[i] && !std::isfinite(imu.rawMeasurements[i]))
+            return "inertial readings that are not finite";
+    return nullptr;
+}
+
+bool sane_sensor_pose(const CObservation& observation) {
+    mrpt::poses::CPose3D T_base_sensor;
+    observation.getSensorPose(T_base_sensor);
+    return finite_within(T_base_sensor.x(), farthest_sensor_m) &&
+           finite_within(T_base_sensor.y(), farthest_sensor_m) &&
+           finite_within(T_base_sensor.z(), farthest_sensor_m) && finite_within(T_base_sensor.yaw(), 10) &&
+           finite_within(T_base_sensor.pitch(), 10) && finite_within(T_base_sensor.roll(), 10);
+}
+
+}  // namespace
+
+const char* refusal_of(CObservation& observation) {
+    if (const auto* odometry = dynamic_cast<const CObservationOdometry*>(&observation))
+        return refusal_of_odometry(*odometry);
+    if (!sane_sensor_pose(observation)) return "observations whose sensor pose is not finite or absurdly far";
+    if (auto* scan = dynamic_cast<CObservation2DRangeScan*>(&observation)) return refusal_of_scan(*scan);
+    if (const auto* imu = dynamic_cast<const CObservationIMU*>(&observation)) return refusal_of_imu(*imu);
+    return nullptr;
+}
+
+}  // namespace loopline

@@ -1,0 +1,51 @@
+/// Damaged bytes can make MRPT's readers allocate gigabytes, hang or crash. This lowers the process's memory
+/// limit while it is inside CArchive::ReadObject(), and marks that for the supervisor, if there is one.
+#pragma once
+
+#include <sys/resource.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/worker_state.h"
+
+namespace loopline {
+
+/// Where an earlier attempt at reading a file ended badly: stop before that object.
+struct ReadLimit {
+    std::uint64_t objects = 0;
+    std::string reason;  ///< "it crashes the reader"
+};
+
+/// How to read: alone (nothing set; a crash in MRPT's reader ends the process), or as a worker under a
+/// supervisor.
+struct ReadingRules {
+    WorkerState* state = nullptr;
+    std::vector<std::optional<ReadLimit>> limits;  ///< per input
+};
+
+class ReadGuard {
+ public:
+    /// `file_bytes` sets the memory that one object of the file may take at most.
+    ReadGuard(WorkerState* state, int input, std::uint64_t file_bytes);
+    ~ReadGuard();
+    ReadGuard(const ReadGuard&) = delete;
+    ReadGuard& operator=(const ReadGuard&) = delete;
+
+    /// Just before and just after ReadObject().
+    void enter(std::uint64_t object);
+    void leave();
+
+ private:
+    void measure_address_space();
+
+    WorkerState* state_;
+    int input_;
+    std::uint64_t allowance_bytes_;
+    int statm_ = -1;
+    rlimit normal_{}, lowered_{};
+};
+
+}  // namespace loopline
