@@ -102,7 +102,12 @@ void AngleThreshold::split(const Interval& block) {
         const std::size_t next = k + 1 < corners_.size() ? corners_[k + 1].point : block.end;
         const std::size_t from = std::max(begin, corner - std::min(corner - block.begin, reach));
         const std::size_t to = std::min(next, corner + reach);
-        const std::size_t end = to > from + 2 ? best_break(points_, {from, to}) : corner;
+        if (to < from + 2 * shortest_chord) continue;
+        const Break bend = best_break(points_, {from, to});
+        // On a round wall chords turn as well, but a parabola describes it better than two lines do.
+        const NormalForm line = quick_fit(points_.moments({from, to})).line;
+        if (squares_left_by_parabola_m2(points_, {from, to}, line) < bend.squares_m2) continue;
+        const std::size_t end = bend.index;
         if (end <= begin) continue;
         split_rest({begin, end});
         begin = end;

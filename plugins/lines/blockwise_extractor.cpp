@@ -9,7 +9,7 @@ void BlockwiseExtractor::extract(const PlanarScan& scan, LineSegments& segments)
     noise_.scale(measured_noise_factor(points_, blocks_, noise_, scratch_));
     pieces_.clear();
     for (const Interval& block : blocks_)
-        if (block.size() >= 3) split(block);
+        if (block.size() >= static_cast<std::size_t>(parameters_.min_beams)) split(block);
     assembler_.assemble(points_, pieces_, noise_, parameters_, segments);
 }
 

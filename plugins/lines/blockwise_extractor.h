@@ -10,23 +10,23 @@ namespace loopline::lines {
 
 class BlockwiseExtractor : public LineExtractor {
  public:
-    explicit BlockwiseExtractor(const ExtractionParameters& parameters) : parameters_(parameters) {}
+    explicit BlockwiseExtractor(const ExtractionParameters& parameters)
+        : parameters_(parameters), splitter_(parameters) {}
     void extract(const PlanarScan& scan, LineSegments& segments) final;
 
  protected:
     /// Appends the straight pieces of `block`, a run without gaps, to `pieces_`, in order.
     virtual void split(const Interval& block) = 0;
-    void split_rest(const Interval& run) {
-        split_until_straight(points_, run, noise_, parameters_.max_bow, pieces_, stack_);
-    }
+    void split_rest(const Interval& run) { splitter_.split(points_, run, noise_, pieces_); }
 
     const ExtractionParameters parameters_;
     ScanPoints points_;
     NoiseModel noise_;
     std::vector<Piece> pieces_;
+    Splitter splitter_;
 
  private:
-    std::vector<Interval> blocks_, stack_;
+    std::vector<Interval> blocks_;
     std::vector<double> scratch_;
     LineAssembler assembler_;
 };

@@ -48,7 +48,8 @@ void Incremental::split(const Interval& block) {
         }
         const Interval run{begin, grow(seed, block.end)};
         const Straightness shape = straightness(points_, run, noise_, parameters_.max_bow);
-        if (shape.shape == Shape::straight) pieces_.push_back({run, shape, false});
+        if (shape.shape == Shape::straight && splitter_.large_enough(points_, run))
+            pieces_.push_back({run, shape, false});
         begin = run.end;
     }
 }

@@ -36,7 +36,7 @@ double covariance_factor(const LikelyFit& fit) {
 }
 
 LineSegment segment_of(const ScanPoints& points, const LikelyFit& fit, std::size_t first, std::size_t last) {
-    const double c = std::cos(points.middle_angle_rad()), s = std::sin(points.middle_angle_rad());
+    const double c = points.cos_middle(), s = points.sin_middle();
     const NormalForm& line = fit.line;
     const Eigen::Vector2d normal(c * line.nx - s * line.ny, s * line.nx + c * line.ny);
     const Eigen::Vector2d tangent(-normal.y(), normal.x());

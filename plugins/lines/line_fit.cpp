@@ -9,29 +9,34 @@ namespace {
 constexpr double gate_sigmas = 3;
 constexpr double end_sigmas = 2.5;
 constexpr int max_steps = 8;
-constexpr double settled_sigmas = 1e-3;     // a step below this part of the result's own sigma is the last
+constexpr double settled_sigmas = 1e-2;     // a step below this part of the result's own sigma is the last
 constexpr double min_cos_incidence = 0.02;  // 88.9 degrees: a beam along the wall says nothing about it
 constexpr double singular = 1e-12;
 
-/// A beam seen from a line: residual d, its variance, and where the beam would meet the line. The last
+/// A beam seen from a line: residual d, weight 1 / var(d), and where the beam would meet the line. The last
 /// follows from the beam's direction alone: the measured range is off by the same noise as d, and would bias
 /// alpha.
 struct Residual {
     bool usable;
-    double d_m, variance_m2, t_m;
+    double d_m, weight, t_m;
 };
 
 Residual residual(const ScanPoint& p, const NormalForm& line, const NoiseModel& noise) {
     const double cos_incidence = p.cos_bearing * line.nx + p.sin_bearing * line.ny;
-    if (cos_incidence < min_cos_incidence) return {false, 0, 1, 0};
+    if (cos_incidence < min_cos_incidence) return {false, 0, 0, 0};
     const double sin_incidence = p.sin_bearing * line.nx - p.cos_bearing * line.ny;
-    const double t_m = line.rho_m * sin_incidence / cos_incidence;
-    return {true, p.range_m * cos_incidence - line.rho_m,
-            noise.variance_m2(cos_incidence * cos_incidence, t_m), t_m};
+    const double tt_cos2 = line.rho_m * line.rho_m * sin_incidence * sin_incidence,
+                 cos2 = cos_incidence * cos_incidence;
+    // variance cos^2 and t cos, so that one division serves both.
+    const double variance_cos2 = (noise.range_variance_m2 * cos2 + noise.wall_variance_m2) * cos2 +
+                                 noise.bearing_variance_rad2 * tt_cos2;
+    const double inverse = 1 / (variance_cos2 * cos_incidence);
+    return {true, p.range_m * cos_incidence - line.rho_m, cos2 * cos_incidence * inverse,
+            line.rho_m * sin_incidence * variance_cos2 * inverse};
 }
 
 bool within(const Residual& r, double gate2) {
-    return r.usable && r.d_m * r.d_m <= gate2 * r.variance_m2;
+    return r.usable && r.d_m * r.d_m * r.weight <= gate2;
 }
 
 /// Weighted sums of the normal equations of d = delta_rho - t delta_alpha, and what is reported of the
@@ -41,8 +46,8 @@ struct NormalEquations {
     std::size_t count = 0, first = 0, last = 0;
 
     void add(const Residual& r, std::size_t i) {
-        const double weight = 1 / r.variance_m2, weighted_t = weight * r.t_m, weighted_d = weight * r.d_m;
-        w += weight;
+        const double weighted_t = r.weight * r.t_m, weighted_d = r.weight * r.d_m;
+        w += r.weight;
         wt += weighted_t;
         wtt += weighted_t * r.t_m;
         wd += weighted_d;
@@ -61,8 +66,11 @@ struct NormalEquations {
 };
 
 NormalForm moved(const NormalForm& line, double delta_rho_m, double delta_alpha_rad) {
-    const double c = std::cos(delta_alpha_rad), s = std::sin(delta_alpha_rad);
-    return {c * line.nx - s * line.ny, c * line.ny + s * line.nx, line.rho_m + delta_rho_m};
+    // Turned by atan(delta_alpha): the same for the small steps that matter, and a safe unit vector for
+    // others.
+    const double scale = 1 / std::sqrt(1 + delta_alpha_rad * delta_alpha_rad);
+    return {scale * (line.nx - line.ny * delta_alpha_rad), scale * (line.ny + line.nx * delta_alpha_rad),
+            line.rho_m + delta_rho_m};
 }
 
 }  // namespace

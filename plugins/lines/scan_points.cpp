@@ -25,17 +25,19 @@ void ScanPoints::load(const PlanarScan& scan) {
     middle_angle_rad_ = scan.first_angle_rad + 0.5 * sweep_rad;
     full_circle_ = sweep_rad + 1.5 * scan.angle_step_rad > 2 * M_PI;
 
-    points_.clear();
-    points_.reserve(beams);
-    sums_.clear();
-    sums_.reserve(beams + 1);
+    cos_middle_ = std::cos(middle_angle_rad_);
+    sin_middle_ = std::sin(middle_angle_rad_);
+
+    points_.resize(beams);
+    sums_.resize(beams + 1);
     Moments sum;
-    sums_.push_back(sum);
+    sums_[0] = sum;
+    std::size_t count = 0;
     for (std::size_t i = 0; i < beams; ++i) {
         const double r = scan.ranges_m[i];
         if (!(r > 0) || !std::isfinite(r)) continue;
         const double x = r * cos_[i], y = r * sin_[i];
-        points_.push_back({x, y, cos_[i], sin_[i], r, i});
+        points_[count] = {x, y, cos_[i], sin_[i], r, i};
         sum.n += 1;
         sum.x += x;
         sum.y += y;
@@ -43,8 +45,10 @@ void ScanPoints::load(const PlanarScan& scan) {
         sum.xy += x * y;
         sum.yy += y * y;
         sum.inverse_rr += 1 / (r * r);
-        sums_.push_back(sum);
+        sums_[++count] = sum;
     }
+    points_.resize(count);
+    sums_.resize(count + 1);
 }
 
 }  // namespace loopline::lines

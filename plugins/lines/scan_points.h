@@ -32,10 +32,10 @@ struct Moments {
 /// One return. Coordinates are in the scan frame: at the sensor, x along the middle of the sweep, so that
 /// what is found does not depend on how the sensor is turned.
 struct ScanPoint {
-    double x_m, y_m;
-    double cos_bearing, sin_bearing;  ///< the beam's direction
-    double range_m;
-    std::size_t beam;
+    double x_m = 0, y_m = 0;
+    double cos_bearing = 1, sin_bearing = 0;  ///< the beam's direction
+    double range_m = 0;
+    std::size_t beam = 0;
 };
 
 class ScanPoints {
@@ -56,6 +56,8 @@ class ScanPoints {
     double sin_angle_step() const { return sin_angle_step_; }
     /// Direction of the scan frame's x axis in the sensor frame.
     double middle_angle_rad() const { return middle_angle_rad_; }
+    double cos_middle() const { return cos_middle_; }
+    double sin_middle() const { return sin_middle_; }
     bool full_circle() const { return full_circle_; }
 
  private:
@@ -65,6 +67,7 @@ class ScanPoints {
     std::vector<Moments> sums_;  ///< of the points before index i
     std::vector<double> cos_, sin_;
     double angle_step_rad_ = 0, sin_angle_step_ = 0, middle_angle_rad_ = 0;
+    double cos_middle_ = 1, sin_middle_ = 0;
     bool full_circle_ = false;
 };
 

@@ -37,55 +37,69 @@ void split_at_gaps(const ScanPoints& points, const ExtractionParameters& paramet
     runs.push_back({begin, points.size()});
 }
 
-std::size_t best_break(const ScanPoints& points, const Interval& run) {
-    const auto cost_m2 = [&](std::size_t b) {
+Break best_break(const ScanPoints& points, const Interval& run) {
+    const auto squares_at = [&](std::size_t b) {
         return squares_m2(points.moments({run.begin, b})) + squares_m2(points.moments({b, run.end}));
     };
-    // Coarse to fine: the cost falls towards a corner over the whole length of both sides.
-    std::size_t best = run.begin + run.size() / 2;
-    double least_m2 = cost_m2(best);
+    // Coarse to fine: the squares fall towards a corner over the whole length of both sides.
+    Break best{run.begin + run.size() / 2, squares_at(run.begin + run.size() / 2)};
     std::size_t low = run.begin + 1, high = run.end - 1;
     for (std::size_t stride = std::max<std::size_t>(1, run.size() / 16);;
          stride = std::max<std::size_t>(1, stride / 4)) {
         for (std::size_t b = low; b <= high; b += stride) {
-            const double c = cost_m2(b);
-            if (c < least_m2) {
-                least_m2 = c;
-                best = b;
-            }
+            const double squares = squares_at(b);
+            if (squares < best.squares_m2) best = {b, squares};
         }
         if (stride == 1) return best;
-        low = std::max(run.begin + 1, best - std::min(best, stride));
-        high = std::min(run.end - 1, best + stride);
+        low = std::max(run.begin + 1, best.index - std::min(best.index, stride));
+        high = std::min(run.end - 1, best.index + stride);
     }
 }
 
-void split_until_straight(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
-                          double max_bow, std::vector<Piece>& pieces, std::vector<Interval>& stack) {
-    const auto straight = [&](const Interval& part) {
-        return part.size() < 3 || straightness(points, part, noise, max_bow).shape == Shape::straight;
-    };
-    stack.clear();
-    stack.push_back(run);
-    while (!stack.empty()) {
-        const Interval part = stack.back();
-        stack.pop_back();
-        if (part.size() < 3) continue;
-        const Straightness shape = straightness(points, part, noise, max_bow);
+bool Splitter::large_enough(const ScanPoints& points, const Interval& run) const {
+    return run.size() >= static_cast<std::size_t>(parameters_.min_beams) &&
+           points.squared_distance_m2(run.begin, run.end - 1) >=
+               parameters_.min_length_m * parameters_.min_length_m;
+}
+
+bool Splitter::straight_or_small(const ScanPoints& points, const Interval& run,
+                                 const NoiseModel& noise) const {
+    return !large_enough(points, run) ||
+           straightness(points, run, noise, parameters_.max_bow).shape == Shape::straight;
+}
+
+void Splitter::split(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
+                     std::vector<Piece>& pieces) {
+    stack_.clear();
+    stack_.push_back(run);
+    while (!stack_.empty()) {
+        const Interval part = stack_.back();
+        stack_.pop_back();
+        // A path that turns back has its ends together: only what can't be split any further is judged by
+        // them.
+        if (part.size() < static_cast<std::size_t>(parameters_.min_beams)) continue;
+        const Straightness shape = straightness(points, part, noise, parameters_.max_bow);
         if (shape.shape == Shape::straight) {
-            pieces.push_back({part, shape, false});
+            if (large_enough(points, part)) pieces.push_back({part, shape, false});
             continue;
         }
-        // A wall with the first points of the next looks like a bend too: two lines have precedence.
-        const std::size_t middle = best_break(points, part);
-        const Interval before{part.begin, middle}, after{middle, part.end};
-        if (shape.shape == Shape::bent && part.size() > 3 && smooth_bend(points, part, noise, shape.fit) &&
-            !(straight(before) && straight(after))) {
-            pieces.push_back({part, shape, true});
-            continue;
+        const Break corner = best_break(points, part);
+        const Interval before{part.begin, corner.index}, after{corner.index, part.end};
+        // A wall with the first points of the next looks like a bend too. It is one if a parabola leaves no
+        // more than noise, and less than two lines do where those would be straight.
+        if (shape.shape == Shape::bent) {
+            const double n = static_cast<double>(part.size());
+            const double variance_m2 = noise.mean_variance_m2(points.moments(part), shape.fit.line.rho_m);
+            const double squares_m2 = squares_left_by_parabola_m2(points, part, shape.fit.line);
+            if (squares_m2 <= chi2_per_degree_limit(n - 3) * (n - 3) * variance_m2 &&
+                (squares_m2 + 2 * variance_m2 < corner.squares_m2 ||
+                 !straight_or_small(points, before, noise) || !straight_or_small(points, after, noise))) {
+                pieces.push_back({part, shape, true});
+                continue;
+            }
         }
-        stack.push_back(after);
-        stack.push_back(before);
+        stack_.push_back(after);
+        stack_.push_back(before);
     }
 }
 

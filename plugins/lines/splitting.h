@@ -25,11 +25,29 @@ void split_at_gaps(const ScanPoints& points, const ExtractionParameters& paramet
                    std::vector<Interval>& runs);
 
 /// The index b in (begin, end) for which two lines, through [begin, b) and [b, end), leave the least squares.
-std::size_t best_break(const ScanPoints& points, const Interval& run);
+struct Break {
+    std::size_t index = 0;
+    double squares_m2 = 0;  ///< left by the two lines
+};
+Break best_break(const ScanPoints& points, const Interval& run);
 
-/// Splits at best breaks until every piece is straight; bends and remainders of less than three points are
-/// dropped. Appends to `pieces` in order. `stack` is working memory.
-void split_until_straight(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
-                          double max_bow, std::vector<Piece>& pieces, std::vector<Interval>& stack);
+/// Splits runs without gaps at best breaks until every piece is straight or one bend.
+class Splitter {
+ public:
+    explicit Splitter(const ExtractionParameters& parameters) : parameters_(parameters) {}
+
+    /// Appends the pieces of `run` to `pieces`, in order. What is too short for a line is dropped.
+    void split(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
+               std::vector<Piece>& pieces);
+
+    /// Can a line come of these points at all?
+    bool large_enough(const ScanPoints& points, const Interval& run) const;
+
+ private:
+    bool straight_or_small(const ScanPoints& points, const Interval& run, const NoiseModel& noise) const;
+
+    const ExtractionParameters parameters_;
+    std::vector<Interval> stack_;
+};
 
 }  // namespace loopline::lines

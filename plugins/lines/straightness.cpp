@@ -1,6 +1,6 @@
 #include "lines/straightness.h"
 
-#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace loopline::lines {
@@ -54,9 +54,8 @@ Straightness straightness(const ScanPoints& points, const Interval& run, const N
     return result;
 }
 
-bool smooth_bend(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
-                 const QuickFit& fit) {
-    const NormalForm& line = fit.line;
+double squares_left_by_parabola_m2(const ScanPoints& points, const Interval& run, const NormalForm& line) {
+    // Polynomials 1, t, t^2 made orthogonal over the points, with t from about their middle.
     const double centre_t = line.along_m(0.5 * (points[run.begin].x_m + points[run.end - 1].x_m),
                                          0.5 * (points[run.begin].y_m + points[run.end - 1].y_m));
     double t1 = 0, t2 = 0, t3 = 0, t4 = 0, d0 = 0, d1 = 0, d2 = 0, dd = 0;
@@ -73,12 +72,13 @@ bool smooth_bend(const ScanPoints& points, const Interval& run, const NoiseModel
         dd += d * d;
     }
     const double n = static_cast<double>(run.size());
-    Eigen::Matrix3d normal;
-    normal << n, t1, t2, t1, t2, t3, t2, t3, t4;
-    const Eigen::Vector3d right(d0, d1, d2);
-    const double left = dd - right.dot(normal.ldlt().solve(right));
-    return left <=
-           chi2_per_degree_limit(n - 3) * (n - 3) * noise.mean_variance_m2(points.moments(run), line.rho_m);
+    const double spread1 = t2 - t1 * t1 / n;
+    if (!(spread1 > 0)) return dd;
+    const double skew = (t3 - t1 * t2 / n) / spread1;
+    const double spread2 = t4 - t2 * t2 / n - skew * skew * spread1;
+    const double along1 = d1 - d0 * t1 / n, along2 = d2 - d0 * t2 / n - skew * along1;
+    const double left = dd - d0 * d0 / n - along1 * along1 / spread1;
+    return std::max(0.0, spread2 > 1e-12 * t4 ? left - along2 * along2 / spread2 : left);
 }
 
 }  // namespace loopline::lines

@@ -29,7 +29,7 @@ struct Straightness {
 Straightness straightness(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
                           double max_bow);
 
-/// Does a parabola over the line leave no more than noise? Then a bent run is one smooth bend.
-bool smooth_bend(const ScanPoints& points, const Interval& run, const NoiseModel& noise, const QuickFit& fit);
+/// Sum of the squared residuals that a parabola over the line leaves of a run: little of a smooth bend.
+double squares_left_by_parabola_m2(const ScanPoints& points, const Interval& run, const NormalForm& line);
 
 }  // namespace loopline::lines

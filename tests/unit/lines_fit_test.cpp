@@ -175,7 +175,8 @@ TEST(Straightness, tells_walls_bends_and_corners) {
             points.load(sweep.scan);
             const Interval all{0, points.size()};
             const Straightness result = straightness(points, all, one_centimetre, 0.005);
-            return std::pair{result, smooth_bend(points, all, one_centimetre, result.fit)};
+            const double left_m2 = squares_left_by_parabola_m2(points, all, result.fit.line);
+            return std::pair{result, left_m2 < 1.5 * 1e-4 * static_cast<double>(points.size())};
         };
         EXPECT_EQ(shape(wall).first.shape, Shape::straight);
         const auto [bend, smooth] = shape(round);
