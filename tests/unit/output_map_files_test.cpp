@@ -212,6 +212,9 @@ TEST(OutputGrid, reader_follows_modes_thresholds_and_negation) {
         return free;
     };
     using Cells = std::vector<float>;
+    std::ofstream(folder / "block.yaml")
+        << "# saved by hand\nimage: \"m.pgm\"  # beside\nresolution: 0.5\norigin:\n- -1.0\n- 7.25\n- 0\n";
+    EXPECT_EQ(read_map_server_grid(folder / "block.yaml")->getXMin(), -1.0f);
     EXPECT_EQ(free_of(""), (Cells{0, 0, 0.5, 1}));
     EXPECT_EQ(free_of("negate: 1\n"), (Cells{1, 0.5, 0.5, 0}));
     EXPECT_EQ(free_of("mode: trinary\noccupied_thresh: 0.9\nfree_thresh: 0.6\n"), (Cells{0, 0.5, 1, 1}));

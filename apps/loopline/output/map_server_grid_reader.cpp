@@ -1,4 +1,3 @@
-#include <mrpt/containers/yaml.h>
 #include <mrpt/img/CImage.h>
 
 #include <algorithm>
@@ -6,10 +5,13 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "api/parameters.h"
 #include "commands/command.h"
 #include "output/map_server_grid.h"
 
@@ -31,23 +33,56 @@ struct Description {
                                             "; give a YAML file as map_server and map_saver have it");
 }
 
-/// Nothing if it is no YAML or lacks a key.
-std::optional<Description> read_description(const std::filesystem::path& yaml) try {
-    const auto keys = mrpt::containers::yaml::FromFile(yaml.string());
+std::string trimmed(const std::string& text) {
+    constexpr const char* around = " \t\r\"'";
+    const auto first = text.find_first_not_of(around);
+    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(around) - first + 1);
+}
+
+/// The part of YAML that such files use: "key: value", "key: [a, b, c]", or the list as "- a" lines below;
+/// "#" comments. A list comes out as "a,b,c". By hand, since MRPT's reader prints and leaks on a file that is
+/// not YAML.
+std::map<std::string, std::string> read_keys(std::istream& in) {
+    std::map<std::string, std::string> keys;
+    std::string last_key;
+    for (std::string line; std::getline(in, line);) {
+        line = trimmed(line.substr(0, line.find('#')));
+        if (line.rfind("- ", 0) == 0) {
+            keys[last_key] += (keys[last_key].empty() ? "" : ",") + trimmed(line.substr(2));
+        } else if (const auto colon = line.find(':'); colon != std::string::npos) {
+            last_key = trimmed(line.substr(0, colon));
+            std::string value = trimmed(line.substr(colon + 1));
+            if (value.size() >= 2 && value.front() == '[' && value.back() == ']')
+                value = value.substr(1, value.size() - 2);
+            keys[last_key] = value;
+        }
+    }
+    return keys;
+}
+
+/// Nothing if a key is missing or no number.
+std::optional<Description> read_description(const std::filesystem::path& yaml) {
+    std::ifstream in(yaml);
+    auto keys = read_keys(in);
     Description d;
-    d.image = keys["image"].as<std::string>();
-    d.resolution_m = keys["resolution"].as<double>();
-    d.x_m = keys["origin"](0).as<double>();
-    d.y_m = keys["origin"](1).as<double>();
-    d.yaw_rad = keys["origin"](2).as<double>();
-    if (keys.has("mode")) d.mode = keys["mode"].as<std::string>();
-    if (keys.has("negate"))
-        d.negate = keys["negate"].as<std::string>() != "0" && keys["negate"].as<std::string>() != "false";
-    if (keys.has("occupied_thresh")) d.occupied_thresh = keys["occupied_thresh"].as<double>();
-    if (keys.has("free_thresh")) d.free_thresh = keys["free_thresh"].as<double>();
-    return d;
-} catch (const std::exception&) {
-    return std::nullopt;  // what() is several lines with a call stack
+    d.image = keys["image"];
+    if (keys.count("mode")) d.mode = keys["mode"];
+    if (keys.count("negate")) d.negate = keys["negate"] != "0" && keys["negate"] != "false";
+
+    std::vector<std::string> origin;
+    std::istringstream list(keys["origin"]);
+    for (std::string number; std::getline(list, number, ',');) origin.push_back(trimmed(number));
+    if (d.image.empty() || origin.size() != 3) return std::nullopt;
+    const auto set = [](const std::string& text, double& value) {
+        const auto number = number_from_text(text);
+        if (number) value = *number;
+        return number.has_value();
+    };
+    const bool good = set(keys["resolution"], d.resolution_m) && set(origin[0], d.x_m) &&
+                      set(origin[1], d.y_m) && set(origin[2], d.yaw_rad) &&
+                      (!keys.count("occupied_thresh") || set(keys["occupied_thresh"], d.occupied_thresh)) &&
+                      (!keys.count("free_thresh") || set(keys["free_thresh"], d.free_thresh));
+    return good ? std::optional(d) : std::nullopt;
 }
 
 /// Probability that a cell is free, of a pixel of 0 .. 255: map_server's rules, image_loader.cpp.
@@ -112,7 +147,9 @@ std::optional<Picture> read_picture(const std::filesystem::path& file) try {
 COccupancyGridMap2D::Ptr read_map_server_grid(const std::filesystem::path& yaml) {
     if (!std::filesystem::is_regular_file(yaml)) refuse(yaml, "there is no such file");
     const auto d = read_description(yaml);
-    if (!d) refuse(yaml, "image, resolution or the three numbers of origin are missing");
+    if (!d)
+        refuse(yaml,
+               "image, resolution or the three numbers of origin are missing, or one of its numbers is none");
     if (d->mode != "trinary" && d->mode != "scale" && d->mode != "raw")
         refuse(yaml, "its mode is \"" + d->mode + "\"");
     if (!(d->resolution_m > 0) || !std::isfinite(d->resolution_m + d->x_m + d->y_m))
