@@ -2,27 +2,17 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
 #include "config/did_you_mean.h"
 #include "config/host_sections.h"
-#include "config/ini_file.h"
 #include "config/ini_text.h"
-#include "config/paths.h"
 #include "config/plugin_loader.h"
-#include "config/problems.h"
+#include "config/section_reader.h"
 
 namespace loopline {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Every section that there could be, with the object that its values are bound to.
-struct Section {
-    Configurable::Ptr owner;  ///< null for the host's own
-    ParameterTable table;
-    bool used = false;
-};
 
 class Loader {
  public:
@@ -36,12 +26,12 @@ class Loader {
     Experiment load(const std::vector<std::string>& rawlogs) {
         declare_host_sections();
         if (!rawlogs.empty()) forget_entry("run", "rawlog");
-        read_section("run");
+        if (const auto* section = file_.find("run")) read(*section);
         if (!rawlogs.empty()) experiment_.run.rawlogs = rawlogs;
         check_rawlogs(!rawlogs.empty());
         make_chain();
         for (const auto& section : file_.sections)
-            if (section.name != "run") read_section(section.name);
+            if (section.name != "run") read(section);
         check_combinations();
         if (!problems_.empty()) throw ConfigurationError(problems_);
         write_effective_ini();
@@ -51,6 +41,10 @@ class Loader {
  private:
     void report(const Origin& origin, const std::string& sentence, ExitCode code = exit_configuration) {
         problems_.emplace_back(origin, sentence, code);
+    }
+
+    void read(const IniSection& section) {
+        read_section(section, sections_, fs::path(file_.path).parent_path(), problems_);
     }
 
     /// Where a complaint about a key that may not be there points to.
@@ -79,7 +73,7 @@ class Loader {
         for (auto& table : {run_table(experiment_.run), outputs_table(experiment_.outputs),
                             evaluation_table(experiment_.evaluation)}) {
             order_.push_back(table.section());
-            sections_.emplace(table.section(), Section{nullptr, table, true});
+            sections_.emplace(table.section(), DeclaredSection{nullptr, table, true});
         }
         for (const auto& name : known_modules()) declare(make_module(name));
         for (const auto& name : known_map_builders()) declare(make_map_builder(name));
@@ -87,80 +81,7 @@ class Loader {
 
     void declare(const Configurable::Ptr& owner) {
         const auto table = owner->parameters();
-        sections_.emplace(owner->info().name, Section{owner, table, false});
-    }
-
-    std::vector<std::string> section_names() const {
-        std::vector<std::string> names;
-        for (const auto& [name, section] : sections_) names.push_back(name);
-        return names;
-    }
-
-    void read_section(const std::string& name) {
-        const auto* written = file_.find(name);
-        if (!written) return;
-        const auto declared = sections_.find(name);
-        if (declared == sections_.end())
-            return report(
-                written->origin,
-                "there is no section [" + name + "]" +
-                    did_you_mean(name, section_names(), "; the sections are " + listing(section_names())));
-        for (const auto& entry : written->entries) read_entry(declared->second, entry);
-    }
-
-    void read_entry(const Section& section, const IniEntry& entry) {
-        const std::string name = "[" + section.table.section() + "] " + entry.key + " ";
-        const auto* parameter = section.table.find(entry.key);
-        if (!parameter)
-            return report(entry.origin,
-                          name + "is not a key of this section" + key_hint(section.table, entry.key));
-        if (entry.from_command_line && !section.used)
-            return report(entry.origin, name + "would have no effect: " + section.table.section() +
-                                            " is neither in [run] modules nor in [run] maps");
-        const bool may_be_empty =
-            parameter->kind == ParameterKind::text || parameter->kind == ParameterKind::list ||
-            parameter->kind == ParameterKind::path || parameter->kind == ParameterKind::path_list;
-        if (entry.value.empty() && !may_be_empty)
-            return report(entry.origin, name + "has no value (it is a " + kind_text(parameter->kind) +
-                                            ", default " + parameter->default_text + ")");
-        const auto value = resolved_value(*parameter, entry, section.used, name);
-        if (!value) return;
-        if (const auto clause = parameter->parse(*value))
-            report(entry.origin, name + *clause + did_you_mean(*value, parameter->choices));
-    }
-
-    std::string key_hint(const ParameterTable& table, const std::string& key) const {
-        std::vector<std::string> keys;
-        for (const auto& parameter : table.parameters()) keys.push_back(parameter.name);
-        if (const auto near = did_you_mean(key, keys); !near.empty()) return near;
-        for (const auto& [name, other] : sections_)
-            if (other.table.find(key)) return "; it is one of [" + name + "]";
-        return keys.empty() ? "; it has none" : "; its keys are " + listing(keys);
-    }
-
-    /// The text to parse: that of the .ini, with paths expanded; nothing if that failed and was reported.
-    std::optional<std::string> resolved_value(const Parameter& parameter, const IniEntry& entry, bool used,
-                                              const std::string& name) {
-        const bool several = parameter.kind == ParameterKind::path_list;
-        if (!several && parameter.kind != ParameterKind::path) return entry.value;
-        auto texts = split_words(entry.list_value, ";");
-        if (!several) texts.assign(1, entry.value);
-        const fs::path base = entry.from_command_line ? fs::path() : fs::path(file_.path).parent_path();
-        std::string joined;
-        bool good = true;
-        for (const auto& text : texts) {
-            const auto expanded = expand_path(text, base);
-            std::error_code none;
-            const bool missing = used && parameter.need == FileNeed::must_exist && !expanded.path.empty() &&
-                                 !fs::exists(expanded.path, none);
-            if (!expanded.problem.empty())
-                report(entry.origin, name + expanded.problem);
-            else if (missing)
-                report(entry.origin, name + "names a file that is not there: " + expanded.path);
-            good = good && expanded.problem.empty() && !missing;
-            joined += (joined.empty() ? "" : ";") + expanded.path;
-        }
-        return good ? std::optional(joined) : std::nullopt;
+        sections_.emplace(owner->info().name, DeclaredSection{owner, table, false});
     }
 
     void check_rawlogs(bool from_command_line) {
@@ -209,7 +130,7 @@ class Loader {
                 report(place, subject + "\"" + name + "\", which is a " + other_kind +
                                   "; it belongs in [run] " + other_key);
             } else if (!object) {
-                const auto all = names_of<Kind>();
+                const auto all = names_of_kind<Kind>();
                 report(place, subject + "\"" + name + "\", which no plugin has" +
                                   did_you_mean(name, all, "; known are " + listing(all)));
             } else if (found->second.used) {
@@ -224,7 +145,7 @@ class Loader {
     }
 
     template <class Kind>
-    std::vector<std::string> names_of() const {
+    std::vector<std::string> names_of_kind() const {
         std::vector<std::string> names;
         for (const auto& [name, section] : sections_)
             if (std::dynamic_pointer_cast<Kind>(section.owner)) names.push_back(name);
@@ -252,7 +173,7 @@ class Loader {
     IniFile file_;
     Experiment experiment_;
     std::vector<Problem> problems_;
-    std::map<std::string, Section> sections_;
+    DeclaredSections sections_;
     std::vector<std::string> order_;  ///< of the sections in use
 };
 

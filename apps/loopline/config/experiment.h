@@ -1,5 +1,5 @@
-/// An experiment: what one .ini file, with its overrides, asks for. Everything is made, bound and checked before
-/// anything runs.
+/// An experiment: what one .ini file, with its overrides, asks for. Everything is made, bound and checked
+/// before anything runs.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ struct RunSettings {
     std::vector<std::string> rawlogs;  ///< merged by stamp if there are several
     std::vector<std::string> modules;  ///< the chain, in order
     std::vector<std::string> maps;     ///< map builders, drawn from the final trajectory
-    std::string trajectory;            ///< the module whose path is the result; empty: the last one that estimates any
+    std::string trajectory;  ///< the module whose path is the result; empty: the last one that estimates any
     std::uint64_t seed = 0;
 };
 
@@ -25,7 +25,8 @@ struct OutputSettings {
     bool maps = true;
     bool snapshots = true;
     bool report = true;
-    std::vector<std::string> record;  ///< classes or sensor labels of published observations to keep in recorded.rawlog
+    std::vector<std::string>
+        record;  ///< classes or sensor labels of published observations to keep in recorded.rawlog
 };
 
 /// [evaluation]
@@ -39,14 +40,14 @@ struct Experiment {
     RunSettings run;
     OutputSettings outputs;
     EvaluationSettings evaluation;
-    std::vector<Module::Ptr> modules;        ///< configured, in chain order
+    std::vector<Module::Ptr> modules;           ///< configured, in chain order
     std::vector<MapBuilder::Ptr> map_builders;  ///< configured, as a pattern: duplicate() gives a fresh one
-    std::string effective_ini;               ///< every key with its value, commented; reads back to the same experiment
+    std::string effective_ini;  ///< every key with its value, commented; reads back to the same experiment
 };
 
-/// Loads plugins, reads the file, applies `overrides` ("section.key=value") and `rawlogs` (instead of [run] rawlog if not
-/// empty). All problems are reported together, one sentence a line with file:line and the nearest known name, in one
-/// CommandError(exit_configuration).
+/// Loads plugins, reads the file, applies `overrides` ("section.key=value") and `rawlogs` (instead of [run]
+/// rawlog if not empty). All problems are reported together, one sentence a line with file:line and the
+/// nearest known name, in one CommandError(exit_configuration).
 Experiment load_experiment(const std::string& config_path, const std::vector<std::string>& overrides,
                            const std::vector<std::string>& rawlogs);
 
