@@ -37,7 +37,7 @@ RunRecord example(const Trajectory& trajectory, const Trajectory& odometry) {
     record.results.metrics = {
         {"updates", std::int64_t{7}}, {"mode", std::string("joint")}, {"closed", true}, {"residual_m", 0.1}};
     record.results.line_map = LineMap(1);
-    record.modules["line_slam"] = {4, 10.0, 6.0};
+    record.modules["line_slam"] = {4, 10.0, 6.0, 1.5};
     record.config_path = "x.ini";
     record.effective_ini = "[run]\nseed = 3\n";
     record.seed = 3;
@@ -149,6 +149,7 @@ TEST(OutputMetrics, flat_keys_with_types_and_time_per_module) {
     EXPECT_EQ(m["modules"]["line_slam"]["calls"], 4);
     EXPECT_EQ(m["modules"]["line_slam"]["mean_ms"], 2.5);
     EXPECT_EQ(m["modules"]["line_slam"]["worst_ms"], 6.0);
+    EXPECT_EQ(m["modules"]["line_slam"]["finish_ms"], 1.5);
     for (const auto& [key, value] : m.items()) EXPECT_EQ(value.is_structured(), key == "modules") << key;
     for (const char* absent : {"ate_rmse_m", "input_damage", "refused", "poses_left_out"})
         EXPECT_FALSE(m.contains(absent)) << absent;

@@ -84,6 +84,7 @@ ordered_json metrics_json(const RunRecord& record) {
         module["calls"] = timing.calls;
         module["mean_ms"] = timing.calls > 0 ? timing.total_ms / static_cast<double>(timing.calls) : 0.0;
         module["worst_ms"] = timing.worst_ms;
+        module["finish_ms"] = timing.finish_ms;
     }
     json["modules"] = modules;
     return json;
