@@ -1,10 +1,8 @@
 /// Pictures: size, content where it belongs, scale, odd sizes, hostile content.
 #include <gtest/gtest.h>
 #include <mrpt/opengl/COpenGLScene.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
@@ -20,21 +18,14 @@
 #include "render/spatial_scene.h"
 #include "render/spatial_views.h"
 #include "render/view_camera.h"
+#include "support/run_program.h"
 
 using namespace loopline;
 
 namespace {
 
-std::string bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 std::filesystem::path scratch(const std::string& name) {
-    // Of this process: several may run at once.
-    const auto folder =
-        std::filesystem::path(testing::TempDir()) / ("loopline_render_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder);
+    static const test::TemporaryFolder folder;
     return folder / name;
 }
 
@@ -227,7 +218,8 @@ TEST(RenderPicture, same_content_same_bytes) {
         // Another size in between changes what the off-screen buffer holds.
         if (view == View::axonometric) render_picture(content, view, {900, 700}, scratch("c.png"));
         render_picture(content, view, {641, 480}, scratch("b.png"));
-        EXPECT_TRUE(bytes_of(scratch("a.png")) == bytes_of(scratch("b.png"))) << static_cast<int>(view);
+        EXPECT_TRUE(test::file_text(scratch("a.png")) == test::file_text(scratch("b.png")))
+            << static_cast<int>(view);
     }
 }
 
@@ -350,7 +342,7 @@ TEST(RenderSpatial, three_million_points_are_drawn_as_a_density) {
 TEST(Render3dScene, file_reloads_with_its_objects) {
     const auto file = scratch("room.3Dscene");
     write_3d_scene(room(), file);
-    const std::string head = bytes_of(file).substr(0, 2);
+    const std::string head = test::file_text(file).substr(0, 2);
     EXPECT_EQ(head, "\x1f\x8b") << "compressed";
     mrpt::opengl::COpenGLScene scene;
     ASSERT_TRUE(scene.loadFromFile(file.string()));
@@ -359,11 +351,3 @@ TEST(Render3dScene, file_reloads_with_its_objects) {
         EXPECT_TRUE(scene.getByName(name)) << name;
     EXPECT_THROW(write_3d_scene(room(), "/nowhere/at/all.3Dscene"), CommandError);
 }
-
-namespace {
-/// Removes this process' files at the end.
-struct PictureCleaner : testing::Environment {
-    void TearDown() override { std::filesystem::remove_all(scratch("").parent_path()); }
-};
-[[maybe_unused]] const auto* const picture_cleaner = testing::AddGlobalTestEnvironment(new PictureCleaner);
-}  // namespace

@@ -1,6 +1,5 @@
 /// The report: what it must hold, that it needs nothing else, and that nothing breaks out of its text.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -12,27 +11,24 @@
 #include "render/report/html.h"
 #include "render/report/run_files.h"
 #include "render/report/svg_plot.h"
+#include "support/run_program.h"
 
 using namespace loopline;
 namespace fs = std::filesystem;
 
 namespace {
 
-std::string text_of(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
+using test::file_text;
 
 void write(const fs::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
 }
 
 fs::path empty_folder(const std::string& name) {
-    const fs::path folder =
-        fs::path(testing::TempDir()) / ("loopline_report_" + std::to_string(getpid())) / name;
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-    return folder;
+    static const test::TemporaryFolder folder;
+    fs::remove_all(folder / name);
+    fs::create_directories(folder / name);
+    return folder / name;
 }
 
 /// A run directory with everything, whose texts try to break out.
@@ -161,7 +157,7 @@ TEST(SvgPlot, thinning_a_signal_keeps_its_peak) {
 TEST(Report, holds_what_it_must) {
     const fs::path folder = whole_run();
     write_report(folder);
-    const std::string page = text_of(folder / "report.html");
+    const std::string page = file_text(folder / "report.html");
     for (const char* part : {"<h1>telecom_faculty_lines",
                              "Refused",
                              "The estimate diverged at 12.5 s &lt;b&gt;here&lt;/b&gt;.",
@@ -194,7 +190,7 @@ TEST(Report, holds_what_it_must) {
 TEST(Report, needs_nothing_else) {
     const fs::path folder = whole_run();
     write_report(folder);
-    const std::string page = text_of(folder / "report.html");
+    const std::string page = file_text(folder / "report.html");
     EXPECT_EQ(count_of(page, "<script"), 0);
     EXPECT_EQ(count_of(page, "http://"), 0);
     EXPECT_EQ(count_of(page, "https://"), 0);
@@ -217,13 +213,13 @@ TEST(Report, needs_nothing_else) {
     }
     EXPECT_GT(links, 6);
     write_report(folder);
-    EXPECT_TRUE(page == text_of(folder / "report.html")) << "same run, same bytes";
+    EXPECT_TRUE(page == file_text(folder / "report.html")) << "same run, same bytes";
 }
 
 TEST(Report, tags_are_balanced) {
     const fs::path folder = whole_run();
     write_report(folder);
-    const std::string page = text_of(folder / "report.html");
+    const std::string page = file_text(folder / "report.html");
     std::vector<std::string> open;
     int tags = 0;
     for (std::size_t at = page.find("<body>"); (at = page.find('<', at)) != std::string::npos; ++tags) {
@@ -249,7 +245,7 @@ TEST(Report, tags_are_balanced) {
 TEST(Report, an_empty_or_damaged_run_still_gets_a_page) {
     const fs::path empty = empty_folder("empty");
     write_report(empty);
-    EXPECT_NE(text_of(empty / "report.html").find("metrics.json is missing"), std::string::npos);
+    EXPECT_NE(file_text(empty / "report.html").find("metrics.json is missing"), std::string::npos);
     const fs::path damaged = empty_folder("damaged");
     fs::create_directories(damaged / "snapshots");
     write(damaged / "metrics.json", "{\"status\": 3, \"modules\": [1], \"distance_m\": \"far\"");
@@ -259,13 +255,5 @@ TEST(Report, an_empty_or_damaged_run_still_gets_a_page) {
     write(damaged / "covariance.csv", "a,b\n1,2\n");
     write(damaged / "snapshots/top.png", "no picture");
     write_report(damaged);
-    EXPECT_GT(text_of(damaged / "report.html").size(), 3000u);
+    EXPECT_GT(file_text(damaged / "report.html").size(), 3000u);
 }
-
-namespace {
-/// Removes this process' files at the end.
-struct ReportCleaner : testing::Environment {
-    void TearDown() override { fs::remove_all(empty_folder("end").parent_path()); }
-};
-[[maybe_unused]] const auto* const report_cleaner = testing::AddGlobalTestEnvironment(new ReportCleaner);
-}  // namespace

@@ -9,6 +9,7 @@
 
 #include "commands/command.h"
 #include "output/line_map_csv.h"
+#include "output/map_server_grid.h"
 #include "output/tum.h"
 #include "render/point_files.h"
 #include "render/scene_content.h"
@@ -25,19 +26,16 @@ std::vector<Pose3> path_from_tum(const fs::path& file) {
 }
 
 mrpt::maps::COccupancyGridMap2D::Ptr grid_from(const fs::path& file) {
+    if (file.extension() == ".yaml") return read_map_server_grid(file);
     auto grid = mrpt::maps::COccupancyGridMap2D::Create();
     try {
-        if (file.extension() == ".yaml") {
-            if (grid->loadFromROSMapServerYAML(file.string())) return grid;
-        } else {
-            mrpt::io::CFileGZInputStream in(file.string());
-            mrpt::serialization::archiveFrom(in) >> *grid;
-            return grid;
-        }
+        mrpt::io::CFileGZInputStream in(file.string());
+        mrpt::serialization::archiveFrom(in) >> *grid;
     } catch (const std::exception&) {
         // MRPT's text says where in its source; what the user needs is which file.
+        throw CommandError(exit_input_data, file.string() + " is not a grid map that MRPT can read.");
     }
-    throw CommandError(exit_input_data, file.string() + " is not a grid map that MRPT can read.");
+    return grid;
 }
 
 void add_simple_map(const fs::path& file, SceneContent& content) {
@@ -97,7 +95,7 @@ SceneContent scene_from_run(const fs::path& folder) {
         content.estimated_path = path_from_tum(folder / "trajectory.tum");
     if (fs::exists(folder / "odometry.tum")) content.odometry_path = path_from_tum(folder / "odometry.tum");
     if (fs::exists(folder / "map.lines.csv")) content.lines = read_line_map_csv(folder / "map.lines.csv");
-    for (const auto& file : files_like(folder, "map.points", ".ply")) {
+    for (const auto& file : files_like(folder, "map.", ".ply")) {
         const bool is_odometry = file.filename().string().find("odometry") != std::string::npos;
         auto& all = is_odometry ? content.points_odometry_m : content.points_m;
         const auto points_m = points_from(file);
