@@ -1,4 +1,6 @@
-/// The map seen from above, drawn with OpenCV.
+/// The map seen from above, drawn with OpenCV: at the cost of MRPT's renderer (0.11 s CPU against 0.10 s for
+/// the Telecom Faculty's 71 569 points at 1280x960), half its memory and without OpenGL, it has dashes, light
+/// borders and true density.
 #pragma once
 
 #include <mrpt/maps/COccupancyGridMap2D.h>

@@ -3,6 +3,10 @@
 
 #include <mrpt/opengl/COpenGLScene.h>
 
+#include <optional>
+#include <vector>
+
+#include "render/content_bounds.h"
 #include "render/scene_content.h"
 
 namespace loopline {
@@ -16,7 +20,8 @@ struct SceneSizes {
     double grid_step_m = 5;
     float point_px = 3;
     std::size_t most_points = 1'000'000;
-    bool end_pin = true;  ///< where the path ends; off where the vehicle itself stands there
+    std::optional<Bounds> ground;  ///< where the grid lies, if not under the whole content
+    bool end_pin = true;           ///< where the path ends; off where the vehicle itself stands there
 };
 
 /// Sizes for a look at the whole content from outside.

@@ -92,6 +92,11 @@ cv::Mat draw_follow_view(const SceneContent& content, PictureSize size) {
     sizes.grid_step_m = 1;
     sizes.point_px = 4;
     sizes.end_pin = false;
+    // A grid of metres that ran to the horizon would be moire.
+    const Eigen::Vector3d reach_m(5 * camera.distance_m, 5 * camera.distance_m, 0);
+    sizes.ground.emplace();
+    sizes.ground->add(last->translation_m - reach_m);
+    sizes.ground->add(last->translation_m + reach_m);
     auto scene = make_spatial_scene(content, sizes);
     auto cart = mrpt::opengl::CSetOfTriangles::Create();
     add_cart(*cart, last->planar(), last->translation_m.z(), palette::end, palette::paper);
