@@ -1,0 +1,33 @@
+/// Which observation belongs to which map line. Hu, Chen, Zhang 2012, section 3.4, eq. (13), with what a line
+/// needs beyond it: the seen parts must overlap, and every pairing must agree with those made before it, the
+/// longest first.
+#pragma once
+
+#include <vector>
+
+#include "line_slam/ekf.h"
+#include "line_slam/map_lines.h"
+
+namespace loopline::line_slam {
+
+struct AssociationParameters {
+    double gate = 13.8;      ///< squared Mahalanobis distance of two degrees of freedom (0.999)
+    double max_gap_m = 1.0;  ///< between the seen part of a map line and the observed one
+};
+
+struct Association {
+    std::vector<Pairing> pairings;    ///< ordered by observation
+    std::vector<bool> is_compatible;  ///< per observation: some line was within its own gate, paired or not
+    int refused = 0;                  ///< observations within a line's gate that contradicted longer ones
+};
+
+/// Awake active lines alone take part.
+Association associate(const Ekf& filter, const MapLineRecords& records,
+                      const std::vector<LineObservation>& observations,
+                      const AssociationParameters& parameters);
+
+/// Common length of the seen part of a map line and an observation's part along it; negative: the gap.
+double overlap_m(const Pose2& T_map_base, const PlanarLine& line_map, const Extent& seen,
+                 const LineObservation& observation);
+
+}  // namespace loopline::line_slam

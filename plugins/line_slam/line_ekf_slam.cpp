@@ -1,0 +1,214 @@
+#include "line_slam/line_ekf_slam.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace loopline::line_slam {
+
+LineEkfSlam::LineEkfSlam(const LineSlamParameters& parameters)
+    : parameters_(parameters), filter_(parameters.drive), tentative_(parameters.tentative) {
+    history_.drive = parameters.drive;
+}
+
+SlamStatus LineEkfSlam::step(const Pose2& T_previous_base, std::vector<LineObservation> observations) {
+    predict(T_previous_base);
+    activate_surroundings(observations);
+    const Association association = associate(filter_, records_, observations, parameters_.association);
+    if (!association.pairings.empty()) {
+        if (!filter_.update(association.pairings, observations)) return SlamStatus::diverged;
+        ++counts_.updates;
+    }
+    counts_.associations += static_cast<std::int64_t>(association.pairings.size());
+    counts_.rejected += association.refused;
+    remember_seen(association.pairings, observations);
+
+    std::vector<int> tracks(observations.size(), no_track);
+    for (const Pairing& p : association.pairings)
+        tracks[static_cast<std::size_t>(p.observation)] = records_[static_cast<std::size_t>(p.line)].track;
+    augment_map(association, observations, tracks);
+    drop_chance_lines();
+    recognise_old_place();
+    wake_neighbourhood();
+
+    HistoryStep& recorded = history_.steps.back();
+    recorded.T_map_base = filter_.T_map_base();
+    history_.calibration = filter_.calibration();
+    recorded.observations = std::move(observations);
+    recorded.tracks = std::move(tracks);
+    ++scan_;
+    return filter_.is_sound() ? SlamStatus::good : SlamStatus::diverged;
+}
+
+void LineEkfSlam::predict(const Pose2& T_previous_base) {
+    const WheelTravel travel = wheel_travel(T_previous_base, parameters_.drive.track_width_m);
+    filter_.predict(travel);
+    path_m_ += T_previous_base.translation().norm();
+    ++counts_.predictions;
+    history_.steps.emplace_back();
+    history_.steps.back().travel = travel;
+}
+
+/// Could the observation be of this line, with `reach_m` of leeway?
+bool LineEkfSlam::may_see(int id, const LineObservation& z, double reach_m) const {
+    const Pose2& T = filter_.T_map_base();
+    const PlanarLine predicted = predicted_line(T, filter_.line(id));
+    return std::abs(wrap_to_pi(z.line.alpha_rad - predicted.alpha_rad)) < 0.5 &&
+           std::abs(predicted.signed_distance_m(z.middle_m())) < reach_m &&
+           overlap_m(T, filter_.line(id), records_[static_cast<std::size_t>(id)].extent, z) > -reach_m;
+}
+
+/// A passive line that an observation might see makes the filter choose its active set again: what may be
+/// seen now, and what was seen on the last metres.
+void LineEkfSlam::activate_surroundings(const std::vector<LineObservation>& observations) {
+    const double reach_m =
+        1.0 + 3 * std::sqrt(std::max(0.0, filter_.pose_covariance().topLeftCorner<2, 2>().trace()));
+    const auto may_be_seen = [&](int id) {
+        return records_[static_cast<std::size_t>(id)].awake &&
+               std::any_of(observations.begin(), observations.end(),
+                           [&](const LineObservation& z) { return may_see(id, z, reach_m); });
+    };
+    const auto& passive = filter_.passive_lines();
+    if (std::none_of(passive.begin(), passive.end(), may_be_seen) &&
+        filter_.active_lines().size() < active_limit_)
+        return;
+    std::vector<int> wanted;
+    for (int id = 0; id < filter_.line_ids(); ++id)
+        if (filter_.exists(id) &&
+            (path_m_ - records_[static_cast<std::size_t>(id)].last_seen_m < parameters_.active_m ||
+             may_be_seen(id)))
+            wanted.push_back(id);
+    filter_.activate(wanted);
+    active_limit_ = wanted.size() + 20;
+}
+
+void LineEkfSlam::remember_seen(const std::vector<Pairing>& pairings,
+                                const std::vector<LineObservation>& observations) {
+    const Pose2& T = filter_.T_map_base();
+    for (const Pairing& p : pairings) {
+        MapLineRecord& record = records_[static_cast<std::size_t>(p.line)];
+        const LineObservation& z = observations[static_cast<std::size_t>(p.observation)];
+        record.extent.extend(Extent::of(filter_.line(p.line), T * z.start_m, T * z.end_m));
+        ++record.observations;
+        record.last_seen_m = path_m_;
+        const int place = static_cast<int>(path_m_);
+        if (record.places.empty() || record.places.back() != place) record.places.push_back(place);
+    }
+}
+
+void LineEkfSlam::augment_map(const Association& association,
+                              const std::vector<LineObservation>& observations, std::vector<int>& tracks) {
+    const Pose2& T = filter_.T_map_base();
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+        if (tracks[i] != no_track) continue;
+        const TentativeLine& t = tentative_.add(T, observations[i], scan_, history_.track_count);
+        tracks[i] = t.track;
+        if (!tentative_.is_confirmed(t) || association.is_compatible[i]) continue;
+        filter_.augment(observations[i]);
+        records_.push_back({t.extent, t.track, t.scans, path_m_, {static_cast<int>(path_m_)}, true});
+        tentative_.remove(t.track);
+    }
+    tentative_.forget_stale(scan_);
+}
+
+/// Lines that a few scans agreed on but the next ones did not: clutter and moving things.
+void LineEkfSlam::drop_chance_lines() {
+    for (int id = 0; id < filter_.line_ids(); ++id) {
+        if (!filter_.exists(id)) continue;
+        const MapLineRecord& record = records_[static_cast<std::size_t>(id)];
+        if (record.observations >= 10 || path_m_ - record.last_seen_m < 1.0) continue;
+        filter_.remove(id);
+        ++counts_.dropped;
+    }
+}
+
+bool LineEkfSlam::merge(int kept, int gone) {
+    MapLineRecord &keep = records_[static_cast<std::size_t>(kept)],
+                  &drop = records_[static_cast<std::size_t>(gone)];
+    const PlanarLine dropped_line = filter_.line(gone);
+    const double variance = parameters_.sigma_wall_m * parameters_.sigma_wall_m;
+    const double length_m = std::max(0.5, std::min(keep.extent.length_m(), drop.extent.length_m()));
+    const double middle_m = 0.5 * (drop.extent.from_m + drop.extent.to_m);
+    Eigen::Matrix2d about_middle;
+    about_middle << 1, middle_m, 0, 1;
+    const Eigen::Matrix2d slack =
+        about_middle * Eigen::Vector2d(variance, 4 * variance / (length_m * length_m)).asDiagonal() *
+        about_middle.transpose();
+    if (!filter_.merge(kept, gone, slack)) return false;
+    const PlanarLine& line = filter_.line(kept);
+    keep.extent.extend(
+        Extent::of(line, dropped_line.point_m(drop.extent.from_m), dropped_line.point_m(drop.extent.to_m)));
+    keep.observations += drop.observations;
+    keep.last_seen_m = std::max(keep.last_seen_m, drop.last_seen_m);
+    keep.places.insert(keep.places.end(), drop.places.begin(), drop.places.end());
+    std::sort(keep.places.begin(), keep.places.end());
+    keep.awake = true;
+    history_.same_wall.emplace_back(keep.track, drop.track);
+    ++counts_.merged;
+    return true;
+}
+
+void LineEkfSlam::recognise_old_place() {
+    if (path_m_ - recognised_at_m_ < parameters_.recognition_every_m) return;
+    recognised_at_m_ = path_m_;
+    const auto found = search_old_place();
+    if (!found) return;
+    // Once more with the present values: passive lines lag behind.
+    std::vector<int> wanted = filter_.active_lines();
+    for (const auto& [id_recent, id_old] : found->matches)
+        if (!filter_.is_active(id_old)) wanted.push_back(id_old);
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    filter_.activate(wanted);
+    const auto confirmed = search_old_place();
+    if (!confirmed) return;
+    ++counts_.recognised;
+    for (const auto& [id_recent, id_old] : confirmed->matches)
+        if (filter_.is_active(id_old)) merge(id_old, id_recent);
+    woken_at_m_ = -1;
+}
+
+std::optional<Recognition> LineEkfSlam::search_old_place() const {
+    RecognitionParameters p = parameters_.recognition;
+    const Eigen::Vector2d here_m = filter_.T_map_base().translation();
+    std::vector<PlaceLine> recent, old;
+    double unseen_m = 0;
+    for (int id = 0; id < filter_.line_ids(); ++id) {
+        if (!filter_.exists(id)) continue;
+        const MapLineRecord& record = records_[static_cast<std::size_t>(id)];
+        const PlaceLine l{id, filter_.line(id), record.extent};
+        if (!record.awake) {
+            old.push_back(l);
+            unseen_m = std::max(unseen_m, path_m_ - record.last_seen_m);
+        } else if (filter_.is_active(id) && path_m_ - record.last_seen_m < parameters_.recent_m) {
+            recent.push_back(l);
+        }
+    }
+    p.max_shift_m += parameters_.drift_m_per_m * unseen_m;
+    p.max_turn_rad += parameters_.drift_rad_per_m * unseen_m;
+    return recognise_place(recent, old, here_m, p);
+}
+
+/// What is seen now was also seen from there: lines of around there may be seen next.
+void LineEkfSlam::wake_neighbourhood() {
+    if (path_m_ - woken_at_m_ < 0.5 && woken_at_m_ >= 0) return;
+    woken_at_m_ = path_m_;
+    const int reach = static_cast<int>(parameters_.wake_m);
+    std::vector<bool> near(static_cast<std::size_t>(path_m_) + 1, false);
+    const auto mark = [&](int place) {
+        for (int p = std::max(0, place - reach); p <= std::min(place + reach, static_cast<int>(path_m_)); ++p)
+            near[static_cast<std::size_t>(p)] = true;
+    };
+    mark(static_cast<int>(path_m_));
+    for (int id = 0; id < filter_.line_ids(); ++id) {
+        const MapLineRecord& record = records_[static_cast<std::size_t>(id)];
+        if (!filter_.exists(id) || path_m_ - record.last_seen_m > 2.0) continue;
+        for (const int place : record.places) mark(place);
+    }
+    for (MapLineRecord& record : records_) {
+        record.awake = false;
+        for (const int place : record.places)
+            record.awake = record.awake || near[static_cast<std::size_t>(place)];
+    }
+}
+
+}  // namespace loopline::line_slam

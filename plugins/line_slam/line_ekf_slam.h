@@ -1,0 +1,76 @@
+/// Line EKF-SLAM, one scan at a time: reads like section 3 of Hu, Chen, Zhang 2012.
+#pragma once
+
+#include <vector>
+
+#include "line_slam/association.h"
+#include "line_slam/ekf.h"
+#include "line_slam/history.h"
+#include "line_slam/map_lines.h"
+#include "line_slam/motion_model.h"
+#include "line_slam/place_recognition.h"
+#include "line_slam/tentative_lines.h"
+
+namespace loopline::line_slam {
+
+struct LineSlamParameters {
+    DriveParameters drive;
+    AssociationParameters association;
+    TentativeParameters tentative;
+    double sigma_wall_m = 0.02;  ///< how far a wall is from straight
+    RecognitionParameters recognition;
+    double drift_m_per_m = 0.02;  ///< what place recognition reckons with, since a place was seen
+    double drift_rad_per_m = 0.002;
+    double recent_m = 8;               ///< of the path, whose lines are matched with old ones
+    double wake_m = 5;                 ///< of the path around an old place that is seen again
+    double recognition_every_m = 0.5;  ///< of the path
+    double active_m = 3;               ///< of the path, whose lines stay active
+};
+
+struct LineSlamCounts {
+    std::int64_t updates = 0, predictions = 0, associations = 0, rejected = 0, merged = 0, recognised = 0,
+                 dropped = 0;
+};
+
+enum class SlamStatus { good, diverged };
+
+class LineEkfSlam {
+ public:
+    explicit LineEkfSlam(const LineSlamParameters& parameters);
+
+    /// One scan: `T_previous_base` is the odometry since the scan before, `observations` its lines in the
+    /// base frame.
+    SlamStatus step(const Pose2& T_previous_base, std::vector<LineObservation> observations);
+
+    const Ekf& filter() const { return filter_; }
+    const MapLineRecords& records() const { return records_; }
+    const History& history() const { return history_; }
+    const LineSlamCounts& counts() const { return counts_; }
+
+ private:
+    void predict(const Pose2& T_previous_base);
+    bool may_see(int id, const LineObservation& z, double reach_m) const;
+    void activate_surroundings(const std::vector<LineObservation>& observations);
+    void remember_seen(const std::vector<Pairing>& pairings,
+                       const std::vector<LineObservation>& observations);
+    void augment_map(const Association& association, const std::vector<LineObservation>& observations,
+                     std::vector<int>& tracks);
+    void recognise_old_place();
+    std::optional<Recognition> search_old_place() const;
+    void wake_neighbourhood();
+    void drop_chance_lines();
+    bool merge(int kept, int gone);
+
+    LineSlamParameters parameters_;
+    Ekf filter_;
+    MapLineRecords records_;
+    TentativeLines tentative_;
+    History history_;
+    LineSlamCounts counts_;
+    double path_m_ = 0;
+    double recognised_at_m_ = 0, woken_at_m_ = 0;  ///< path at the last attempt
+    int scan_ = 0;
+    std::size_t active_limit_ = 20;  ///< of lines, before the surroundings are chosen anew
+};
+
+}  // namespace loopline::line_slam

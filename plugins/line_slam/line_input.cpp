@@ -1,0 +1,28 @@
+#include "line_slam/line_input.h"
+
+namespace loopline::line_slam {
+
+LineObservation observation_in_base(const lines::LineSegment& segment, const Pose2& T_base_sensor,
+                                    double sigma_wall_m) {
+    LineObservation z;
+    const PlanarLine in_sensor{segment.rho_m, segment.alpha_rad};
+    z.line = transformed(T_base_sensor, in_sensor);
+    z.start_m = T_base_sensor * segment.start_m;
+    z.end_m = T_base_sensor * segment.end_m;
+
+    // Both parts as (rho, alpha) about the base: rho_base = rho_sensor + n(alpha_base) . t_base_sensor.
+    Eigen::Matrix2d to_base;
+    to_base << 1, z.line.along_m(T_base_sensor.translation()), 0, 1;
+    const double middle_m = z.line.along_m(z.middle_m());
+    Eigen::Matrix2d about_middle;
+    about_middle << 1, middle_m, 0, 1;
+    const double length_m = std::max(segment.length_m(), 1e-3);
+    const double variance_m2 = sigma_wall_m * sigma_wall_m;
+    const Eigen::Matrix2d wall =
+        Eigen::Vector2d(0.5 * variance_m2, 2 * variance_m2 / (length_m * length_m)).asDiagonal();
+    z.covariance =
+        to_base * segment.covariance * to_base.transpose() + about_middle * wall * about_middle.transpose();
+    return z;
+}
+
+}  // namespace loopline::line_slam

@@ -1,0 +1,53 @@
+/// Differential drive: what the wheels say about the motion between two scans. Hu, Chen, Zhang 2012, eq.
+/// (3)-(6), in MRPT's axes (x, y, phi) instead of the paper's (x, z, alpha).
+#pragma once
+
+#include <Eigen/Core>
+
+#include "api/pose2.h"
+
+namespace loopline::line_slam {
+
+/// What is physical about the drive. Noise grows with the square root of the way, as that of a sum of
+/// independent slips.
+struct DriveParameters {
+    double track_width_m = 0.5;    ///< l, distance of the driven wheels
+    double sigma_wheel_m = 0.03;   ///< of one wheel's travel after 1 m
+    double sigma_side_m = 0.03;    ///< of the sideways motion after 1 m
+    double sigma_rest_m = 0.0005;  ///< of each, without any motion: resolution of the encoders
+    double sigma_scale = 0.05;     ///< how well wheel diameters and track width are known, as a fraction
+};
+
+/// The control u of eq. (3), as travel instead of speed times interval. A log that has only relative poses
+/// may tell of a sideways motion too, which wheels alone can't.
+struct WheelTravel {
+    double left_m = 0;
+    double right_m = 0;
+    double side_m = 0;  ///< to the left, along the axle's direction half-way
+};
+
+/// What is wrong with the drive's numbers, as fractions: true travel = (1 + left) x measured, true track
+/// width = (1 + track) x stated. Real logs bend by degrees a metre from this; it is constant, so that walls
+/// can tell it, unlike slip.
+struct WheelCalibration {
+    double left = 0, right = 0, track = 0;
+};
+
+/// The control that takes the vehicle from the old to the new base frame; inverse of `moved`.
+WheelTravel wheel_travel(const Pose2& T_old_new, double track_width_m);
+
+/// Eq. (3) from the pose zero: mid-point heading.
+Pose2 moved(const WheelTravel& travel, double track_width_m, const WheelCalibration& calibration = {});
+
+struct MotionJacobians {
+    Eigen::Matrix3d
+        travel;  ///< of `moved` to (left, right, side): the control's Jacobian of eq. (5), old base frame
+    Eigen::Matrix3d calibration;  ///< to (left, right, track)
+};
+MotionJacobians motion_jacobians(const WheelTravel& travel, double track_width_m,
+                                 const WheelCalibration& calibration = {});
+
+/// Q of eq. (5): covariance of (left, right, side).
+Eigen::Matrix3d travel_covariance(const WheelTravel& travel, const DriveParameters& drive);
+
+}  // namespace loopline::line_slam
