@@ -91,7 +91,7 @@ void AngleThreshold::find_corners(const Interval& block) {
 void AngleThreshold::split(const Interval& block) {
     const Straightness whole = straightness(points_, block, noise_, parameters_.max_bow);
     if (whole.shape == Shape::straight) {
-        pieces_.push_back({block, whole, false});
+        pieces_.push_back({block, whole, false, {}});
         return;
     }
     find_corners(block);

@@ -8,8 +8,12 @@ void BlockwiseExtractor::extract(const PlanarScan& scan, LineSegments& segments)
     split_at_gaps(points_, parameters_, noise_, blocks_);
     noise_.scale(measured_noise_factor(points_, blocks_, noise_, scratch_));
     pieces_.clear();
-    for (const Interval& block : blocks_)
-        if (block.size() >= static_cast<std::size_t>(parameters_.min_beams)) split(block);
+    for (const Interval& block : blocks_) {
+        if (block.size() < static_cast<std::size_t>(parameters_.min_beams)) continue;
+        const std::size_t before = pieces_.size();
+        split(block);
+        for (std::size_t i = before; i < pieces_.size(); ++i) pieces_[i].block = block;
+    }
     assembler_.assemble(points_, pieces_, noise_, parameters_, segments);
 }
 

@@ -8,7 +8,7 @@ namespace loopline::lines {
 enum class Method { angle_threshold, split_and_merge, incremental };
 
 struct ExtractionParameters {
-    Method method = Method::angle_threshold;
+    Method method = Method::split_and_merge;  ///< why: tests/bench/lines_bench.cpp, docs/papers/lines.md
 
     // The noise model, see noise_model.h.
     double sigma_range_m = 0;      ///< along the beam; 0: what the scan states

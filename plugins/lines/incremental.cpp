@@ -48,8 +48,10 @@ void Incremental::split(const Interval& block) {
         }
         const Interval run{begin, grow(seed, block.end)};
         const Straightness shape = straightness(points_, run, noise_, parameters_.max_bow);
-        if (shape.shape == Shape::straight && splitter_.large_enough(points_, run))
-            pieces_.push_back({run, shape, false});
+        // What grew into a bend is no line, but tells its neighbours that they may be chords.
+        const bool straight = shape.shape == Shape::straight;
+        if ((straight || shape.shape == Shape::bent) && splitter_.large_enough(points_, run))
+            pieces_.push_back({run, shape, !straight, {}});
         begin = run.end;
     }
 }

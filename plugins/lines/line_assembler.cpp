@@ -13,6 +13,8 @@ constexpr double chi2_2_99 = 9.2103;
 constexpr double prior_degrees_of_freedom = 30;
 constexpr double max_autocorrelation = 0.95;
 constexpr double max_round_radius_m = 20;
+constexpr double extension_sigmas2 = 4;
+constexpr std::size_t max_points_between = 2;  // of neighbours that touch
 
 double along_m(const NormalForm& line, const ScanPoint& p) {
     return line.along_m(p.x_m, p.y_m);
@@ -60,15 +62,22 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
                              LineSegments& segments) {
     candidates_.clear();
     labels_.assign(points.size(), -1);
-    const auto min_beams = static_cast<std::size_t>(parameters.min_beams);
+    for (const Piece& piece : pieces) {
+        const int label = static_cast<int>(&piece - pieces.data());
+        std::fill(labels_.begin() + static_cast<std::ptrdiff_t>(piece.run.begin),
+                  labels_.begin() + static_cast<std::ptrdiff_t>(piece.run.end), label);
+    }
     for (const Piece& piece : pieces) {
         Candidate c;
         c.label = static_cast<int>(candidates_.size());
         c.run = piece.run;
-        c.moments = points.moments(piece.run);
-        std::fill(labels_.begin() + static_cast<std::ptrdiff_t>(c.run.begin),
-                  labels_.begin() + static_cast<std::ptrdiff_t>(c.run.end), c.label);
-        c.rejected = piece.arc || piece.run.size() < min_beams || !fit(points, noise, c);
+        if (piece.arc || piece.run.size() < static_cast<std::size_t>(parameters.min_beams)) {
+            c.rejected = true;
+        } else {
+            extend(points, noise, piece, c);
+            c.moments = points.moments(c.run);
+            c.rejected = !fit(points, noise, c);
+        }
         candidates_.push_back(c);
     }
     drop_chains_of_chords(points, pieces, parameters);
@@ -80,6 +89,21 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
             segments.push_back(segment_of(points, c.fit, c.first, c.last));
     std::sort(segments.begin(), segments.end(),
               [](const LineSegment& a, const LineSegment& b) { return a.first_beam < b.first_beam; });
+}
+
+/// Takes in the points beside the piece that no piece has and that lie on its line: where a break was a
+/// little off a corner, what it cut off was too short for a piece.
+void LineAssembler::extend(const ScanPoints& points, const NoiseModel& noise, const Piece& piece,
+                           Candidate& c) {
+    const NormalForm& line = piece.shape.fit.line;
+    const double variance_m2 =
+        std::max(piece.shape.fit.across_m2, noise.mean_variance_m2(points.moments(c.run), line.rho_m));
+    const auto belongs = [&](std::size_t i) {
+        const double d_m = line.distance_m(points[i].x_m, points[i].y_m);
+        return labels_[i] < 0 && d_m * d_m < extension_sigmas2 * variance_m2;
+    };
+    while (c.run.begin > piece.block.begin && belongs(c.run.begin - 1)) labels_[--c.run.begin] = c.label;
+    while (c.run.end < piece.block.end && belongs(c.run.end)) labels_[c.run.end++] = c.label;
 }
 
 bool LineAssembler::fit(const ScanPoints& points, const NoiseModel& noise, Candidate& c) const {
@@ -131,7 +155,8 @@ void LineAssembler::drop_chains_of_chords(const ScanPoints& points, const std::v
     for (std::size_t i = 0; i + 1 < candidates_.size(); ++i) {
         Candidate &a = candidates_[i], &b = candidates_[i + 1];
         const Piece &piece_a = pieces[i], &piece_b = pieces[i + 1];
-        if (piece_a.run.end != piece_b.run.begin || !enough_beams(a) || !enough_beams(b)) continue;
+        if (piece_a.run.end + max_points_between < piece_b.run.begin || !enough_beams(a) || !enough_beams(b))
+            continue;
         const bool arc_a = piece_a.arc, arc_b = piece_b.arc;
         if (arc_a && arc_b) continue;
         const double turn = turn_rad(piece_a.shape.fit.line, piece_b.shape.fit.line);

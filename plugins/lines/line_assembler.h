@@ -30,6 +30,7 @@ class LineAssembler {
             false;  ///< in a full-circle scan: begins before its end and ends after its beginning
     };
 
+    void extend(const ScanPoints& points, const NoiseModel& noise, const Piece& piece, Candidate& candidate);
     bool fit(const ScanPoints& points, const NoiseModel& noise, Candidate& candidate) const;
     void drop_chains_of_chords(const ScanPoints& points, const std::vector<Piece>& pieces,
                                const ExtractionParameters& parameters);

@@ -80,7 +80,7 @@ void Splitter::split(const ScanPoints& points, const Interval& run, const NoiseM
         if (part.size() < static_cast<std::size_t>(parameters_.min_beams)) continue;
         const Straightness shape = straightness(points, part, noise, parameters_.max_bow);
         if (shape.shape == Shape::straight) {
-            if (large_enough(points, part)) pieces.push_back({part, shape, false});
+            if (large_enough(points, part)) pieces.push_back({part, shape, false, {}});
             continue;
         }
         const Break corner = best_break(points, part);
@@ -94,7 +94,7 @@ void Splitter::split(const ScanPoints& points, const Interval& run, const NoiseM
             if (squares_m2 <= chi2_per_degree_limit(n - 3) * (n - 3) * variance_m2 &&
                 (squares_m2 + 2 * variance_m2 < corner.squares_m2 ||
                  !straight_or_small(points, before, noise) || !straight_or_small(points, after, noise))) {
-                pieces.push_back({part, shape, true});
+                pieces.push_back({part, shape, true, {}});
                 continue;
             }
         }

@@ -16,6 +16,7 @@ struct Piece {
     Interval run;
     Straightness shape;
     bool arc = false;
+    Interval block = {};  ///< the run without gaps that it is part of
 };
 
 /// Hu 2012, section 3.2, step 1: runs without a gap wider than `max_gap_m`. Beams that meet a wall at a

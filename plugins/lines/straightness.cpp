@@ -7,7 +7,7 @@ namespace loopline::lines {
 namespace {
 
 constexpr double z_limit = 3.09;  // one-sided, 0.1 %
-constexpr double bend_sigmas = 4;
+constexpr double bend_sigmas = 3;
 
 double mean_distance_m(const NormalForm& line, const Moments& m) {
     return (line.nx * m.x + line.ny * m.y) / m.n - line.rho_m;

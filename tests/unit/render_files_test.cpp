@@ -9,6 +9,7 @@
 
 #include "commands/command.h"
 #include "output/line_map_csv.h"
+#include "output/map_files.h"
 #include "output/map_server_grid.h"
 #include "output/mrpt_object_file.h"
 #include "output/point_cloud_files.h"
@@ -190,6 +191,22 @@ TEST(RenderScene, every_kind_of_file) {
     EXPECT_TRUE(whole.lines && whole.grid);
     EXPECT_EQ(whole.title, folder.path().filename().string());
     EXPECT_EQ(scene_from_path(folder.path().string() + "/.").title, folder.path().filename().string());
+}
+
+TEST(RenderScene, before_and_after_points_survive_the_run_directory) {
+    const test::TemporaryFolder folder;
+    Results results, odometry_results;
+    results.maps.push_back({"points", three_points()});
+    auto moved = three_points();
+    moved->insertPoint(7, 7, 7);
+    odometry_results.maps.push_back({"points", moved});
+    FileList list;
+    write_map_files(folder.path(), results, list);
+    write_odometry_points(folder.path(), odometry_results, list);
+    EXPECT_EQ(list.files.back(), "map.points_odometry.ply");
+    const SceneContent content = scene_from_path(folder.path());
+    EXPECT_EQ(content.points_m.size(), 3u);
+    EXPECT_EQ(content.points_odometry_m.size(), 4u);
 }
 
 TEST(RenderScene, what_can_not_be_drawn_is_refused_with_a_sentence) {

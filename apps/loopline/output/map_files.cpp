@@ -94,4 +94,12 @@ void write_map_files(const fs::path& folder, const Results& results, FileList& l
     }
 }
 
+void write_odometry_points(const fs::path& folder, const Results& odometry_results, FileList& list) {
+    const std::string stem = "map.points_odometry";
+    for (const auto& [name, points] : maps_of_kind<mrpt::maps::CPointsMap>(odometry_results, stem)) {
+        const std::string file = (name == stem ? stem : stem + name.substr(3)) + ".ply";
+        list.add(file, write_ply(folder / file, *points), "points");
+    }
+}
+
 }  // namespace loopline

@@ -12,4 +12,9 @@ namespace loopline {
 /// map is plainly map.simplemap) where the kind has one map, the map's own name where it has several.
 void write_map_files(const std::filesystem::path& folder, const Results& results, FileList& list);
 
+/// The points by dead reckoning as map.points_odometry.ply, for pictures of before and after; nothing if
+/// there are none.
+void write_odometry_points(const std::filesystem::path& folder, const Results& odometry_results,
+                           FileList& list);
+
 }  // namespace loopline

@@ -60,7 +60,10 @@ void write_run_directory(const std::filesystem::path& folder, const RunRecord& r
     const auto before = files_of_earlier_run(folder);
     FileList list;
     if (outputs.trajectory) write_trajectories(folder, record, list);
-    if (outputs.maps) write_map_files(folder, record.results, list);
+    if (outputs.maps) {
+        write_map_files(folder, record.results, list);
+        write_odometry_points(folder, record.odometry_results, list);
+    }
     write_whole_file(folder / "config.ini", record.effective_ini);
     list.add("config.ini");
     write_metrics(folder, record);
