@@ -45,6 +45,23 @@ TEST(Help, all_ways_to_ask_for_it_agree) {
     EXPECT_EQ(test::run_loopline({"--version"}).out.rfind("loopline ", 0), 0u);
 }
 
+TEST(Help, a_command_inside_a_command_has_its_own) {
+    const auto result = test::run_loopline({"import", "carmen", "--help"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_NE(result.out.find("Usage:\n  loopline import carmen IN..."), std::string::npos) << result.out;
+    EXPECT_EQ(result.out, test::run_loopline({"help", "import", "carmen"}).out);
+}
+
+TEST(CommandLine, plugins_that_can_not_be_loaded_are_a_sentence_for_every_command) {
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"import", "carmen"}, {"describe"}, {"check", "e.ini"}}) {
+        const auto result = test::run_loopline(words, {"LOOPLINE_PLUGINS=/nowhere"});
+        EXPECT_EQ(result.exit_code, 2) << words[0];
+        EXPECT_EQ(result.err.rfind("loopline: the plugin folder /nowhere can't be read", 0), 0u)
+            << result.err;
+    }
+}
+
 TEST(Help, fits_the_terminal) {
     for (const std::size_t columns : {40u, 80u, 100u}) {
         const std::string width = "COLUMNS=" + std::to_string(columns);
@@ -72,6 +89,8 @@ TEST(CommandLine, misspelt_words_are_answered_with_the_nearest) {
     expect({"check"}, "loopline check: CONFIG.ini is missing");
     expect({"check", "a.ini", "b.ini"}, "no place for the argument \"b.ini\"");
     expect({"check", "a.ini", "--set"}, "--set needs a value");
+    expect({"import", "carmen", "a.log", "--oot", "b"},
+           "there is no option \"--oot\"; did you mean \"--out\"?");
     expect({"describe", "ruin"}, "\"ruin\"; did you mean \"run\"?");
     expect({"describe", "--ini", "--markdown"}, "--ini excludes --markdown");
 }

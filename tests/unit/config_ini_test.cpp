@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <random>
+#include <set>
 
 #include "config/did_you_mean.h"
 #include "config/ini_file.h"
@@ -123,6 +125,27 @@ TEST(IniFile, the_last_override_counts) {
         apply_override(broken, bad);
         EXPECT_EQ(broken.problems.size(), 1u) << bad;
         EXPECT_TRUE(broken.sections.empty()) << bad;
+    }
+}
+
+TEST(IniFile, any_text_is_taken_and_no_line_is_lost_twice) {
+    std::mt19937_64 random(7);
+    const std::string letters = "[]=;#/\" \t\n\rab\xC3\xBC";
+    std::uniform_int_distribution<std::size_t> letter(0, letters.size() - 1), length(0, 80);
+    for (int i = 0; i < 5000; ++i) {
+        std::string text;
+        for (std::size_t n = length(random); n > 0; --n) text += letters[letter(random)];
+        const IniFile file = parse_ini_text(text, "f.ini");
+        const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n') + 1);
+        std::set<int> understood;
+        for (const auto& section : file.sections) {
+            EXPECT_TRUE(understood.insert(section.origin.line).second) << text;
+            for (const auto& entry : section.entries)
+                EXPECT_TRUE(understood.insert(entry.origin.line).second) << text;
+        }
+        for (const auto& problem : file.problems)
+            EXPECT_TRUE(understood.insert(problem.origin.line).second) << text;
+        EXPECT_LE(understood.size(), lines);
     }
 }
 

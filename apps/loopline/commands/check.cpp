@@ -3,15 +3,30 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "config/experiment.h"
+#include "commands/check_report.h"
+#include "commands/terminal.h"
 
 namespace loopline {
 namespace {
+
+/// Reads the logs once.
+int check_logs(const Experiment& experiment, const ReadingRules& rules) {
+    LogSource source(experiment.run.rawlogs, rules);
+    LogSurvey survey;
+    for (StreamItem item; source.next(item);) {
+        if (rules.state && rules.state->stop_requested) return exit_interrupted;
+        survey.add(item);
+    }
+    const auto report = check_report(experiment, source, survey, terminal_width());
+    if (!(std::cout << report.text << std::flush)) return exit_configuration;
+    return report.verdict;
+}
 
 class CheckCommand : public Command {
  public:
     std::string name() const override { return "check"; }
     std::string sentence() const override { return "Check a configuration and its data before a long run"; }
+
     void declare(CLI::App& app) override {
         app.add_option("config", config_, "The experiment's .ini file")->required()->type_name("CONFIG.ini");
         app.add_option("--rawlog", rawlogs_, "Log to use instead of [run] rawlog; may be repeated")
@@ -21,10 +36,10 @@ class CheckCommand : public Command {
             ->type_name("SECTION.KEY=VALUE")
             ->allow_extra_args(false);
     }
+
     ExitCode run() override {
-        load_experiment(config_, overrides_, rawlogs_);
-        std::cout << config_ << " is right.\n";
-        return exit_done;
+        const auto experiment = load_experiment(config_, overrides_, rawlogs_);
+        return static_cast<ExitCode>(check_logs(experiment, {}));
     }
 
  private:

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
+#include <functional>
 #include <iostream>
 #include <new>
 
@@ -31,7 +32,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
 
 /// What stands wrong on the command line of `app`, as one sentence.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
-    for (const auto& word : app.remaining()) {
+    for (const auto& word : app.remaining(true)) {
         const bool option = word.size() > 1 && word[0] == '-';
         const std::string name = word.substr(0, word.find('='));
         if (option) return "there is no option \"" + name + "\"" + did_you_mean(name, option_names(app));
@@ -48,13 +49,10 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     return said;
 }
 
-/// What goes wrong while it runs ends in one sentence and an exit code.
-int run_command(Command& command) {
+/// What goes wrong ends in one sentence and an exit code.
+int guarded(const std::function<int()>& work) {
     try {
-        const int code = command.run();
-        if (!std::cout.flush() && !pipe_was_closed)
-            throw CommandError(exit_configuration, "the output could not be written to its end");
-        return code;
+        return work();
     } catch (const ConfigurationError& e) {
         std::cerr << e.what() << '\n';  // each line opens on its file:line, for editors to jump to
         return e.code();
@@ -69,11 +67,44 @@ int run_command(Command& command) {
     return exit_configuration;
 }
 
+/// The command that the words speak of, with the commands inside it: "import carmen".
+const CLI::App& addressed_by(const std::vector<std::string>& words, const CLI::App& app) {
+    const CLI::App* addressed = &app;
+    for (const auto& word : words) {
+        const auto subs =
+            addressed->get_subcommands([&](const CLI::App* sub) { return sub->get_name() == word; });
+        if (subs.empty()) break;
+        addressed = subs.front();
+    }
+    return *addressed;
+}
+
+/// Parses and runs; `chosen` is set by the parser.
+int parse_and_run(CLI::App& app, const std::vector<std::string>& words, Command* const& chosen) {
+    try {
+        app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them from the end
+    } catch (const CLI::CallForHelp&) {
+        std::cout << help_text(addressed_by(words, app), terminal_width()) << std::flush;
+        return exit_done;
+    } catch (const CLI::CallForVersion& e) {
+        std::cout << e.what() << std::endl;
+        return exit_done;
+    } catch (const CLI::ParseError& e) {
+        const CLI::App& addressed = addressed_by(words, app);
+        const std::string name = command_name(addressed);
+        std::cerr << name << ": " << complaint(addressed, e) << " (see " << name << " --help)\n";
+        return exit_configuration;
+    }
+    const int code = chosen->run();
+    if (!std::cout.flush() && !pipe_was_closed)
+        throw CommandError(exit_configuration, "the output could not be written to its end");
+    return code;
+}
+
 /// The words with "help run" turned into "run --help".
 std::vector<std::string> normal(std::vector<std::string> words) {
     if (words.empty() || words[0] != "help") return words;
     words.erase(words.begin());
-    if (words.size() > 1) words.resize(1);
     words.emplace_back("--help");
     return words;
 }
@@ -120,22 +151,7 @@ int run_command_line(const std::vector<std::unique_ptr<Command>>& commands, std:
         return exit_configuration;
     }
 
-    const CLI::App& addressed = option_first ? app : *app.get_subcommand(words[0]);
-    try {
-        std::reverse(words.begin(), words.end());  // CLI11 takes them from the end
-        app.parse(std::move(words));
-    } catch (const CLI::CallForHelp&) {
-        std::cout << help_text(addressed, terminal_width()) << std::flush;
-        return exit_done;
-    } catch (const CLI::CallForVersion& e) {
-        std::cout << e.what() << std::endl;
-        return exit_done;
-    } catch (const CLI::ParseError& e) {
-        const std::string name = &addressed == &app ? "loopline" : "loopline " + addressed.get_name();
-        std::cerr << name << ": " << complaint(addressed, e) << " (see " << name << " --help)\n";
-        return exit_configuration;
-    }
-    return run_command(*chosen);
+    return guarded([&] { return parse_and_run(app, words, chosen); });
 }
 
 }  // namespace loopline

@@ -45,10 +45,6 @@ std::vector<const CLI::Option*> listed_options(const CLI::App& app, bool positio
     });
 }
 
-std::string command_of(const CLI::App& app) {
-    return app.get_parent() ? "loopline " + app.get_name() : "loopline";
-}
-
 /// One word per argument; a whole argument must not be broken over two lines.
 std::string usage(const CLI::App& app, std::size_t width) {
     std::vector<std::string> parts;
@@ -64,7 +60,7 @@ std::string usage(const CLI::App& app, std::size_t width) {
         parts.push_back((option->get_required() ? name : "[" + name + "]") +
                         (may_repeat(*option) ? "..." : ""));
     }
-    std::string text = "  " + command_of(app);
+    std::string text = "  " + command_name(app);
     std::size_t column = text.size();
     const std::size_t indent = width < 60 ? 5 : column;
     for (const auto& part : parts) {
@@ -99,8 +95,9 @@ std::string two_columns(const Rows& rows, std::size_t width) {
 Rows option_rows(const std::vector<const CLI::Option*>& options) {
     Rows rows;
     for (const auto* option : options) {
-        const std::string must = option->get_required() && option->nonpositional() ? " (required)" : "";
-        rows.emplace_back(written(*option), option->get_description() + must);
+        std::string remark = option->get_required() && option->nonpositional() ? " (required)" : "";
+        if (!option->get_option_text().empty()) remark += " (" + option->get_option_text() + ")";
+        rows.emplace_back(written(*option), option->get_description() + remark);
     }
     return rows;
 }
@@ -115,6 +112,10 @@ std::string footer_text(const std::string& footer, std::size_t width) {
 }
 
 }  // namespace
+
+std::string command_name(const CLI::App& app) {
+    return app.get_parent() ? command_name(*app.get_parent()) + " " + app.get_name() : "loopline";
+}
 
 std::string option_word(const CLI::Option& option) {
     if (option.nonpositional())

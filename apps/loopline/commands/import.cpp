@@ -11,6 +11,7 @@
 #include <iostream>
 
 #include "config/did_you_mean.h"
+#include "config/ini_text.h"
 #include "config/plugin_loader.h"
 
 namespace loopline {
@@ -119,7 +120,7 @@ class ImportCommand : public Command {
             const Importer::Ptr importer = make_importer(format);
             auto* sub = app.add_subcommand(format, importer->info().sentence);
             sub->add_option("IN", inputs_, "Files, taken one after the other")->required();
-            sub->add_option("--out", out_, "The rawlog to write")->required();
+            sub->add_option("--out", out_, "The rawlog to write")->required()->type_name("F.rawlog");
             const ParameterTable table = importer->parameters();
             for (const auto& parameter : table.parameters())
                 sub->add_option_function<std::string>(
@@ -129,8 +130,7 @@ class ImportCommand : public Command {
                                throw CLI::ValidationError(option_name(parameter.name), text + " " + *wrong);
                        },
                        parameter.sentence)
-                    ->option_text((parameter.allowed.empty() ? "" : parameter.allowed + " ") + "[" +
-                                  parameter.default_text + "]");
+                    ->option_text(parameter_facts(parameter));
             sub->callback([this, importer] { chosen_ = importer; });
         }
     }
