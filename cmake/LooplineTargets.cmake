@@ -23,5 +23,6 @@ function(loopline_plugin name)
         LIBRARY_OUTPUT_DIRECTORY ${LOOPLINE_PLUGIN_DIR}
         BUILD_RPATH "$ORIGIN" INSTALL_RPATH "$ORIGIN")
     set_property(GLOBAL APPEND PROPERTY LOOPLINE_PLUGIN_TARGETS loopline_${name})
+    set_property(GLOBAL APPEND PROPERTY LOOPLINE_PLUGIN_TARGETS loopline_${name})
     install(TARGETS loopline_${name} LIBRARY DESTINATION lib/loopline)
 endfunction()
