@@ -31,7 +31,10 @@ double turn_rad(const NormalForm& a, const NormalForm& b) {
 /// neighbours agree, and n of them are worth only n (1 - r) / (1 + r) with the autocorrelation r.
 double covariance_factor(const LikelyFit& fit) {
     const double count = static_cast<double>(fit.count), degrees = count - 2;
-    const double by_size = (prior_degrees_of_freedom + fit.chi2) / (prior_degrees_of_freedom + degrees);
+    const double excess = fit.chi2 / degrees;
+    const double by_size = excess > chi2_per_degree_limit(degrees)
+                               ? excess
+                               : (prior_degrees_of_freedom + fit.chi2) / (prior_degrees_of_freedom + degrees);
     const double r = std::min(fit.autocorrelation, max_autocorrelation);
     const double by_order = r * r * count > 4 && r > 0 ? (1 + r) / (1 - r) : 1;
     return std::max(1.0, by_size) * by_order;
@@ -220,9 +223,11 @@ bool LineAssembler::merge(const ScanPoints& points, const NoiseModel& noise,
     const Moments moments = a.moments + b.moments;
     const QuickFit together = quick_fit(moments);
     const double bow_m = parameters.max_bow * std::sqrt(12 * together.along_m2);
-    if (together.across_m2 >
-        chi2_per_degree_limit(moments.n - 2) * noise.mean_variance_m2(moments, together.line.rho_m) +
-            4.0 / 45.0 * bow_m * bow_m)
+    const double apart_m2 =
+        (a.moments.n * quick_fit(a.moments).across_m2 + b.moments.n * quick_fit(b.moments).across_m2) /
+        moments.n;
+    const double variance_m2 = std::max(apart_m2, noise.mean_variance_m2(moments, together.line.rho_m));
+    if (together.across_m2 > chi2_per_degree_limit(moments.n - 2) * variance_m2 + 4.0 / 45.0 * bow_m * bow_m)
         return false;
 
     Candidate merged = a;

@@ -8,9 +8,24 @@ namespace {
 
 constexpr double z_limit = 3.09;  // one-sided, 0.1 %
 constexpr double bend_sigmas = 3;
+constexpr double max_disorder_factor = 25;   // in variance, over the model
+constexpr double max_disorder_ratio = 0.02;  // rms over length
+constexpr double least_disorder = 0.75;
 
 double mean_distance_m(const NormalForm& line, const Moments& m) {
     return (line.nx * m.x + line.ny * m.y) / m.n - line.rho_m;
+}
+
+/// Von Neumann's ratio: half the mean square step from one residual to the next, over their mean square. 1
+/// for noise, 2 for teeth, near 0 for corners, steps and bends.
+double disorder(const ScanPoints& points, const Interval& run, const QuickFit& fit) {
+    double previous = fit.line.distance_m(points[run.begin].x_m, points[run.begin].y_m), steps = 0;
+    for (std::size_t i = run.begin + 1; i < run.end; ++i) {
+        const double d = fit.line.distance_m(points[i].x_m, points[i].y_m);
+        steps += (d - previous) * (d - previous);
+        previous = d;
+    }
+    return steps / (2 * static_cast<double>(run.size() - 1) * fit.across_m2);
 }
 
 }  // namespace
@@ -27,8 +42,14 @@ Straightness straightness(const ScanPoints& points, const Interval& run, const N
     const Moments all = points.moments(run);
     const double n = all.n;
     result.fit = quick_fit(all);
-    const double variance_m2 = noise.mean_variance_m2(all, result.fit.line.rho_m);
+    double variance_m2 = noise.mean_variance_m2(all, result.fit.line.rho_m);
     const double length_m = std::sqrt(12 * result.fit.along_m2);
+    const double limit = chi2_per_degree_limit(n - 2) * (n - 2) / n;
+    const double scatter_m2 = result.fit.across_m2;
+    if (scatter_m2 > limit * variance_m2 && scatter_m2 < max_disorder_factor * variance_m2 &&
+        scatter_m2 < max_disorder_ratio * max_disorder_ratio * length_m * length_m &&
+        disorder(points, run, result.fit) > least_disorder)
+        variance_m2 = scatter_m2;
 
     // A parabola of sagitta s lies (s/4) further out in its middle half than the line, and (s/4) further in
     // at the quarters beside; the mean square of its residuals is (4/45) s^2. The contrast of those means has
@@ -44,7 +65,6 @@ Straightness straightness(const ScanPoints& points, const Interval& run, const N
     }
     const double bow_m = max_bow * length_m;
     const double parabola_m2 = 4.0 / 45.0;
-    const double limit = chi2_per_degree_limit(n - 2) * (n - 2) / n;
     const bool bent = std::abs(result.sagitta_m) > bow_m + bend_sigmas * result.sigma_sagitta_m;
     if (!bent && result.fit.across_m2 <= limit * variance_m2 + parabola_m2 * bow_m * bow_m) {
         result.shape = Shape::straight;

@@ -25,7 +25,9 @@ struct Straightness {
     double sigma_sagitta_m = 0;  ///< from noise
 };
 
-/// `run` has at least three points. A wall may bow by `max_bow` of its length.
+/// `run` has at least three points. A wall may bow by `max_bow` of its length. Scatter beyond the model is
+/// taken for noise up to a limit if it is disorderly: sweeps that lasers interleave from two turns of their
+/// mirror, a few degrees of the vehicle's turn apart, leave walls with teeth.
 Straightness straightness(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
                           double max_bow);
 
