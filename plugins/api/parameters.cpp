@@ -20,13 +20,19 @@ std::string unit_of(const std::string& name) {
     return {};
 }
 
+/// A whole number without an exponent: 2000000000, not 2e+09.
+std::string bound_text(double bound) {
+    if (bound != std::floor(bound) || std::abs(bound) > 1e15) return number_text(bound);
+    return std::to_string(static_cast<std::int64_t>(bound));
+}
+
 std::string range_text(const Range& range) {
     const bool from = std::isfinite(range.min), to = std::isfinite(range.max);
     const bool above_zero = range.min > 0 && range.min < 1e-300;
     if (above_zero && !to) return "> 0";
-    if (from && to) return number_text(above_zero ? 0 : range.min) + " .. " + number_text(range.max);
-    if (from) return ">= " + number_text(range.min);
-    if (to) return "<= " + number_text(range.max);
+    if (from && to) return bound_text(above_zero ? 0 : range.min) + " .. " + bound_text(range.max);
+    if (from) return ">= " + bound_text(range.min);
+    if (to) return "<= " + bound_text(range.max);
     return {};
 }
 

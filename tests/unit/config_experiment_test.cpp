@@ -114,3 +114,16 @@ TEST(AngleParameter, prints_what_it_reads_bit_for_bit) {
     EXPECT_EQ(table.find("x_deg")->default_text, "30");
     EXPECT_EQ(sixth_rad, 30 * M_PI / 180) << "the default is what its printed text reads back as";
 }
+
+TEST(ParameterTable, ranges_are_written_as_people_write_them) {
+    double x = 0;
+    int n = 1;
+    ParameterTable table("a", "");
+    table.real("x", x, {-0.5, 1e-9}, "").integer("n", n, {1, 2e9}, "");
+    ParameterTable open("b", "");
+    open.real("x", x, Range::positive(), "").integer("n", n, Range::at_least(1), "");
+    EXPECT_EQ(table.find("x")->allowed, "-0.5 .. 1e-09");
+    EXPECT_EQ(table.find("n")->allowed, "1 .. 2000000000");
+    EXPECT_EQ(open.find("x")->allowed, "> 0");
+    EXPECT_EQ(open.find("n")->allowed, ">= 1");
+}
