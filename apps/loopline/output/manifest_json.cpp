@@ -43,7 +43,8 @@ ordered_json inputs_of(const RunRecord& record) {
 ordered_json versions() {
     ordered_json json;
     json["loopline"] = LOOPLINE_VERSION;
-    json["mrpt"] = mrpt::system::MRPT_getVersion();
+    const std::string mrpt = mrpt::system::MRPT_getVersion();  // "MRPT 2.5.8"
+    json["mrpt"] = mrpt.substr(mrpt.find(' ') + 1);
     json["eigen"] = std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) + "." +
                     std::to_string(EIGEN_MINOR_VERSION);
 #ifdef __clang__

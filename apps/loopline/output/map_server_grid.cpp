@@ -1,6 +1,7 @@
 #include "output/map_server_grid.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "output/output_file.h"
@@ -38,6 +39,11 @@ void write_pgm(const std::filesystem::path& pgm, const COccupancyGridMap2D& grid
     out.commit();
 }
 
+/// -49.850002, a float's idea of -49.85, is written as -49.85.
+double to_micrometre(float length_m) {
+    return std::round(static_cast<double>(length_m) * 1e6) / 1e6;
+}
+
 }  // namespace
 
 void write_map_server_grid(const std::filesystem::path& yaml, const COccupancyGridMap2D& grid) {
@@ -47,7 +53,10 @@ void write_map_server_grid(const std::filesystem::path& yaml, const COccupancyGr
     OutputFile out(yaml);
     out.text("image: ").text(pgm.filename().string()).text("\nmode: trinary\nresolution: ");
     out.number(grid.getResolution()).text("\norigin: [");
-    out.number(grid.getXMin()).text(", ").number(grid.getYMin()).text(", 0]\nnegate: 0\noccupied_thresh: ");
+    out.number(to_micrometre(grid.getXMin()))
+        .text(", ")
+        .number(to_micrometre(grid.getYMin()))
+        .text(", 0]\nnegate: 0\noccupied_thresh: ");
     out.number(occupied_threshold).text("\nfree_thresh: ").number(free_threshold).text("\n");
     out.commit();
 }
