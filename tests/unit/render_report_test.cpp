@@ -50,7 +50,7 @@ fs::path whole_run() {
         folder / "metrics.json",
         R"({"status": "refused", "refused": "The estimate diverged at 12.5 s <b>here</b>.", "input_damage": "log.rawlog ends early.",
               "distance_m": 24.5, "cpu_s": 0.173, "scans_used": 50, "odd<key>": "v&v",
-              "modules": {"line_slam": {"calls": 50, "mean_ms": 0.25, "worst_ms": 1.5}, "odometry": {"calls": 50, "mean_ms": 0.05, "worst_ms": 0.1}}})");
+              "modules": {"line_slam": {"calls": 50, "mean_ms": 0.25, "worst_ms": 1.5, "finish_ms": 7.5}, "odometry": {"calls": 50, "mean_ms": 0.05, "worst_ms": 0.1}}})");
     write(
         folder / "manifest.json",
         R"({"config": "ini/real/telecom_faculty_lines.ini", "warnings": ["Stamps <i>go back</i>."], "versions": {"mrpt": "2.5.8"},
@@ -170,6 +170,7 @@ TEST(Report, holds_what_it_must) {
                              "odd&lt;key&gt;",
                              "v&amp;v",
                              "line_slam",
+                             "<td>20</td>",
                              "/data/&quot;quoted&quot; log.rawlog",
                              "c0ffee00",
                              "Cut at byte 99.",

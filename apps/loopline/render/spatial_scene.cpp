@@ -157,8 +157,8 @@ mrpt::opengl::COpenGLScene::Ptr make_spatial_scene(const SceneContent& content, 
         auto pins = mrpt::opengl::CSetOfTriangles::Create();
         const auto vertices = vertices_of(content.estimated_path, 0, 0);
         if (!vertices.empty()) {
-            add_pin(*pins, vertices.front(), sizes.pin_height_m, 4 * r, palette::start);
-            if (sizes.end_pin) add_pin(*pins, vertices.back(), sizes.pin_height_m, 4 * r, palette::end);
+            add_pin(*pins, vertices.front(), sizes.pin_height_m, 3.4 * r, palette::start);
+            if (sizes.end_pin) add_pin(*pins, vertices.back(), sizes.pin_height_m, 3.4 * r, palette::end);
         }
         pins->setName("start and end");
         scene->insert(pins);

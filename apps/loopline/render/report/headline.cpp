@@ -138,7 +138,7 @@ std::string figures_section(const RunFiles& run) {
         const double apart_m =
             (run.estimate.back().T_map_base.translation_m - run.odometry.back().T_map_base.translation_m)
                 .norm();
-        tile(html::number(apart_m, 3), "m", "from dead reckoning at the end");
+        tile(html::number(apart_m, 3), "m", "apart from dead reckoning at the end");
     }
     for (const auto& [key, value] : run.metrics.items())
         if (!value.is_structured())
