@@ -1,20 +1,95 @@
 #include "commands/run.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+
+#include "pipeline/log_file.h"
+#include "pipeline/run.h"
+#include "pipeline/supervisor.h"
 
 namespace loopline {
 namespace {
 
+namespace fs = std::filesystem;
+
+/// Whether the run directory can be made is known before a long run, not after it.
+void check_folder(const fs::path& folder) {
+    std::error_code ignored;
+    fs::path existing = fs::absolute(folder);
+    while (!fs::exists(existing, ignored) && existing.has_parent_path()) existing = existing.parent_path();
+    if (!fs::is_directory(existing, ignored))
+        throw CommandError(exit_configuration, "--out " + folder.string() + ": " + existing.string() +
+                                                   " is a file; name a folder");
+    if (::access(existing.c_str(), W_OK | X_OK) != 0)
+        throw CommandError(exit_configuration, "--out " + folder.string() + ": you may not write into " +
+                                                   existing.string() + "; name another folder");
+}
+
+double cpu_s_so_far() {
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    const auto seconds = [](const timeval& time) {
+        return double(time.tv_sec) + 1e-6 * double(time.tv_usec);
+    };
+    return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
 class RunCommand : public Command {
-   public:
+ public:
     std::string name() const override { return "run"; }
-    std::string sentence() const override { return "not there yet"; }
-    void declare(CLI::App&) override {}
-    ExitCode run() override { throw CommandError(exit_configuration, "loopline run is not there yet"); }
+    std::string sentence() const override {
+        return "runs an experiment: from a rawlog to a trajectory, a map and pictures";
+    }
+
+    void declare(CLI::App& app) override {
+        app.add_option("config", config_, "The experiment's .ini")->required();
+        app.add_option("--rawlog", rawlogs_, "A log, in place of [run] rawlog; may be given several times")
+            ->allow_extra_args(false);
+        app.add_option("--out", folder_, "The run directory; runs/NAME for NAME.ini if it is not given");
+        app.add_option("--set", overrides_, "section.key=value, in place of the .ini's")
+            ->allow_extra_args(false);
+        app.add_option("--threads", threads_, "At most so many; the result does not depend on it")
+            ->check(CLI::Range(1, 1024));
+        app.add_flag("--quiet", quiet_, "Say nothing but warnings and errors");
+    }
+
+    ExitCode run() override {
+        RunSetup setup;
+        setup.start = std::chrono::steady_clock::now();
+        setup.experiment = load_experiment(config_, overrides_, rawlogs_);
+        setup.folder = folder_.empty() ? fs::path("runs") / fs::path(config_).stem() : fs::path(folder_);
+        setup.threads = threads_;
+        setup.quiet = quiet_;
+        for (const auto& rawlog : setup.experiment.run.rawlogs) LogFile can_be_opened(rawlog);
+        setup.reference = load_evaluation_reference(setup.experiment.evaluation);
+        check_folder(setup.folder);
+        setup.cpu_before_s = cpu_s_so_far();
+
+        Supervision supervision;
+        supervision.rawlogs = setup.experiment.run.rawlogs;
+        for (const auto& module : setup.experiment.modules)
+            supervision.module_names.push_back(module->info().name);
+        for (const auto& builder : setup.experiment.map_builders)
+            supervision.map_builder_names.push_back(builder->info().name);
+        return static_cast<ExitCode>(supervise(
+            supervision, [&setup](const Attempt& attempt) { return run_experiment(setup, attempt); }));
+    }
+
+ private:
+    std::string config_, folder_;
+    std::vector<std::string> rawlogs_, overrides_;
+    int threads_ = 1;
+    bool quiet_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<Command> make_run_command() { return std::make_unique<RunCommand>(); }
+std::unique_ptr<Command> make_run_command() {
+    return std::make_unique<RunCommand>();
+}
 
 }  // namespace loopline

@@ -1,0 +1,148 @@
+#include "pipeline/estimate_pass.h"
+
+#include <algorithm>
+
+#include "commands/command.h"
+#include "pipeline/file_hash.h"
+#include "pipeline/log_source.h"
+#include "pipeline/module_chain.h"
+#include "pipeline/progress.h"
+#include "pipeline/recorder.h"
+
+namespace loopline {
+namespace {
+
+std::string joined(const std::vector<std::string>& parts, const char* separator) {
+    std::string text;
+    for (const auto& part : parts) text += (text.empty() ? "" : separator) + part;
+    return text;
+}
+
+/// A sentence for each module that misses an observation class, in the log and among what the modules before
+/// it publish.
+std::vector<std::string> unmet_needs(const std::vector<Module::Ptr>& modules, const LogSource& source,
+                                     const std::string& logs) {
+    std::vector<std::string> sentences, published;
+    for (const auto& module : modules) {
+        const ModuleInfo info = module->info();
+        for (const auto& need : info.needs) {
+            const bool from_module = std::any_of(
+                published.begin(), published.end(),
+                [&](const std::string& name) { return short_class_name(name) == short_class_name(need); });
+            if (!from_module && !source.facts().has_class(need))
+                sentences.push_back(logs + ": module " + info.name + " needs " + need +
+                                    ", and this log holds " + source.facts().inventory());
+        }
+        published.insert(published.end(), info.publishes.begin(), info.publishes.end());
+    }
+    return sentences;
+}
+
+/// There must be something to write; throws CommandError otherwise.
+void check_log(const RunSetup& setup, const LogSource& source, bool interrupted) {
+    const auto& experiment = setup.experiment;
+    const std::string logs = joined(experiment.run.rawlogs, ", ");
+    const auto damages = source.damages();
+    if (source.facts().observations() == 0) {
+        if (interrupted)
+            throw CommandError(exit_interrupted, "interrupted before anything was read; nothing is saved");
+        throw CommandError(exit_input_data, damages.empty() ? logs + ": this log holds no observation"
+                                                            : joined(damages, "\n"));
+    }
+    auto problems = interrupted ? std::vector<std::string>() : unmet_needs(experiment.modules, source, logs);
+    if (problems.empty()) return;
+    problems.insert(problems.begin(), damages.begin(), damages.end());
+    throw CommandError(exit_input_data, joined(problems, "\n"));
+}
+
+void choose_trajectories(const Experiment& experiment, RunRecord& record) {
+    for (const auto& module : experiment.modules) {
+        const std::string name = module->info().name;
+        const Trajectory* trajectory = module->trajectory();
+        if (name == "odometry") record.odometry = trajectory;
+        const bool wanted = experiment.run.trajectory.empty() || name == experiment.run.trajectory;
+        if (wanted && trajectory != nullptr) record.trajectory = trajectory;
+    }
+    if (record.trajectory == nullptr && !experiment.run.trajectory.empty())
+        throw CommandError(exit_configuration, experiment.config_path + ": [run] trajectory names " +
+                                                   experiment.run.trajectory +
+                                                   ", a module that estimates no path");
+}
+
+void record_input(const RunSetup& setup, const LogSource& source, RunRecord& record) {
+    record.warnings = source.warnings();
+    for (std::size_t i = 0; i < source.inputs(); ++i) {
+        const auto& reader = source.reader(i);
+        record.inputs.push_back({reader.path(), reader.file_bytes(), sha256_of_file(reader.path()),
+                                 reader.objects(), reader.damage()});
+    }
+    record.scans_read = source.facts().scans();
+    record.first_stamp_ns = source.facts().first_stamp_ns();
+    record.last_stamp_ns = source.facts().last_stamp_ns();
+    if (source.refused() > 0)
+        record.results.metrics["observations_refused"] = static_cast<std::int64_t>(source.refused());
+    record.config_path = setup.experiment.config_path;
+    record.effective_ini = setup.experiment.effective_ini;
+    record.seed = setup.experiment.run.seed;
+}
+
+/// How the run ended: what the user did counts first, then the log, then the estimate.
+void set_status(RunRecord& record, bool interrupted, bool damaged) {
+    const auto set = [&record](const char* status, ExitCode code) {
+        record.status = status;
+        record.exit_code = code;
+    };
+    if (interrupted)
+        set("interrupted", exit_interrupted);
+    else if (damaged)
+        set("damaged_input", exit_input_data);
+    else if (record.results.refused)
+        set("refused", exit_refused);
+    else
+        set("done", exit_done);
+}
+
+}  // namespace
+
+std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRecord& record) {
+    const auto& experiment = setup.experiment;
+    LogSource source(experiment.run.rawlogs, attempt.rules);
+    Recorder recorder(setup.folder, experiment.outputs.record);
+    ModuleChain chain(experiment.modules, attempt.rules.state,
+                      [&recorder](const StreamItem& item) { recorder.take(*item.observation); });
+    Progress progress("estimating", !setup.quiet);
+    chain.start({setup.threads, experiment.run.seed});
+
+    const auto stop_requested = [&] {
+        return attempt.rules.state != nullptr && attempt.rules.state->stop_requested;
+    };
+    std::vector<std::uint64_t> scan_sequences;
+    std::uint64_t items = 0;
+    bool interrupted = false;
+    for (StreamItem item; source.next(item); ++items) {
+        interrupted = stop_requested();
+        if (interrupted || (attempt.stop_before_sequence && item.sequence >= *attempt.stop_before_sequence))
+            break;
+        if (is_laser_scan(*item.observation)) scan_sequences.push_back(item.sequence);
+        chain.process(item);
+        progress.tick(source);
+    }
+    progress.clear();
+    check_log(setup, source, interrupted);
+    chain.finish(record.results);
+
+    choose_trajectories(experiment, record);
+    record_input(setup, source, record);
+    for (auto& sentence : recorder.commit()) record.warnings.push_back(std::move(sentence));
+    if (!attempt.failure.empty()) record.results.refused = attempt.failure;
+    if (record.trajectory != nullptr)
+        record.scans_used = static_cast<std::uint64_t>(std::count_if(
+            scan_sequences.begin(), scan_sequences.end(),
+            [&](std::uint64_t sequence) { return record.trajectory->find(sequence) != nullptr; }));
+    for (std::size_t i = 0; i < experiment.modules.size(); ++i)
+        record.modules[experiment.modules[i]->info().name] = chain.timings()[i];
+    set_status(record, interrupted, !source.damages().empty());
+    return items;
+}
+
+}  // namespace loopline

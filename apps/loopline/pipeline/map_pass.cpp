@@ -1,0 +1,83 @@
+#include "pipeline/map_pass.h"
+
+#include <algorithm>
+
+#include "pipeline/log_source.h"
+#include "pipeline/progress.h"
+
+namespace loopline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+const char* const builder_of_before_pictures = "points";
+
+struct Drawing {
+    MapBuilder::Ptr builder;
+    const Trajectory* trajectory;
+    Results* results;
+    int index;             ///< in [run] maps
+    ModuleTiming* timing;  ///< null where nobody asks
+};
+
+std::vector<Drawing> drawings_of(const RunSetup& setup, RunRecord& record) {
+    const auto& experiment = setup.experiment;
+    std::vector<Drawing> drawings;
+    const bool wanted = experiment.outputs.maps || experiment.outputs.snapshots || experiment.outputs.report;
+    if (!wanted || record.trajectory == nullptr || record.trajectory->empty()) return drawings;
+    const bool before_too =
+        experiment.outputs.snapshots && record.odometry != nullptr && !record.odometry->empty();
+    for (std::size_t i = 0; i < experiment.map_builders.size(); ++i) {
+        const auto& builder = experiment.map_builders[i];
+        const std::string name = builder->info().name;
+        const int index = static_cast<int>(i);
+        drawings.push_back({builder, record.trajectory, &record.results, index, &record.modules[name]});
+        if (before_too && name == builder_of_before_pictures)
+            drawings.push_back(
+                {fresh_map_builder(*builder), record.odometry, &record.odometry_results, index, nullptr});
+    }
+    return drawings;
+}
+
+double milliseconds_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+void insert(const Drawing& drawing, const StreamItem& item) {
+    const auto start = Clock::now();
+    drawing.builder->insert(item);
+    if (drawing.timing == nullptr) return;
+    const double elapsed_ms = milliseconds_since(start);
+    ++drawing.timing->calls;
+    drawing.timing->total_ms += elapsed_ms;
+    drawing.timing->worst_ms = std::max(drawing.timing->worst_ms, elapsed_ms);
+}
+
+}  // namespace
+
+void map_pass(const RunSetup& setup, const Attempt& attempt, std::uint64_t items, RunRecord& record) {
+    const auto drawings = drawings_of(setup, record);
+    if (drawings.empty() || attempt.without_maps) return;
+    WorkerState* state = attempt.rules.state;
+    const auto at_work = [state](const Drawing& drawing, std::uint64_t position) {
+        if (state != nullptr) state->enter(WorkerState::Stage::map_builder, drawing.index, position);
+    };
+    LogSource source(setup.experiment.run.rawlogs, attempt.rules);
+    Progress progress("drawing maps", !setup.quiet);
+    for (const auto& drawing : drawings)
+        drawing.builder->start({setup.threads, setup.experiment.run.seed}, *drawing.trajectory);
+    for (StreamItem item; source.next(item) && item.sequence < items;) {
+        for (const auto& drawing : drawings) {
+            at_work(drawing, item.sequence);
+            insert(drawing, item);
+        }
+        progress.tick(source);
+    }
+    for (const auto& drawing : drawings) {
+        at_work(drawing, WorkerState::at_the_end);
+        const auto start = Clock::now();
+        drawing.builder->finish(*drawing.results);
+        if (drawing.timing != nullptr) drawing.timing->finish_ms += milliseconds_since(start);
+    }
+}
+
+}  // namespace loopline

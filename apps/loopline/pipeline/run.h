@@ -1,0 +1,32 @@
+/// A run: one pass over the log for the estimate, a second one that draws the maps from it, and the results.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "config/experiment.h"
+#include "evaluate/evaluate_run.h"
+#include "pipeline/run_record.h"
+#include "pipeline/supervisor.h"
+
+namespace loopline {
+
+struct RunSetup {
+    Experiment experiment;
+    std::filesystem::path folder;  ///< the run directory; made when there is something to write
+    std::shared_ptr<const EvaluationReference> reference;
+    int threads = 1;
+    bool quiet = false;
+    std::chrono::steady_clock::time_point start;
+    double cpu_before_s = 0;  ///< of loading the program and the experiment, before the worker began
+};
+
+/// Runs the experiment in this process and writes its results; returns the exit code. Throws CommandError if
+/// there is nothing to write: no observation, or none that a module needs.
+int run_experiment(const RunSetup& setup, const Attempt& attempt);
+
+/// Times and memory so far.
+void set_cost(RunRecord& record, const RunSetup& setup);
+
+}  // namespace loopline

@@ -1,0 +1,71 @@
+#include "pipeline/run_outputs.h"
+
+#include "commands/command.h"
+#include "output/run_directory.h"
+#include "render/render.h"
+#include "render/scene_content.h"
+
+namespace loopline {
+namespace {
+
+void enter(WorkerState* state, WorkerState::Stage stage) {
+    if (state != nullptr) state->enter(stage, 0, 0);
+}
+
+void evaluate(const RunSetup& setup, RunRecord& record) {
+    if (record.trajectory == nullptr) return;
+    const RunEvaluation evaluation = evaluate_run(*record.trajectory, setup.reference);
+    record.results.metrics.insert(evaluation.metrics.begin(), evaluation.metrics.end());
+    record.warnings.insert(record.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
+}
+
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code problem;
+    std::filesystem::create_directories(folder, problem);
+    if (problem)
+        throw CommandError(exit_configuration,
+                           folder.string() + ": this folder can't be made (" + problem.message() + ")");
+}
+
+std::vector<std::string> relative_to(const std::filesystem::path& folder,
+                                     const std::vector<std::filesystem::path>& files) {
+    std::vector<std::string> names;
+    for (const auto& file : files) names.push_back(file.lexically_relative(folder).string());
+    return names;
+}
+
+void draw(const RunSetup& setup, const RunRecord& record) {
+    const auto& outputs = setup.experiment.outputs;
+    if (!outputs.snapshots) return;
+    const std::string title = std::filesystem::path(record.config_path).stem().string();
+    const SceneContent content = scene_from_record(record, title);
+    add_to_manifest(setup.folder,
+                    relative_to(setup.folder, write_snapshots(content, setup.folder / "snapshots")));
+    if (!outputs.maps) return;
+    write_3d_scene(content, setup.folder / "map.3Dscene");
+    add_to_manifest(setup.folder, {"map.3Dscene"});
+}
+
+}  // namespace
+
+void write_outputs(const RunSetup& setup, RunRecord& record, WorkerState* state) {
+    enter(state, WorkerState::Stage::writing);
+    evaluate(setup, record);
+    make_folder(setup.folder);
+    set_cost(record, setup);
+    write_run_directory(setup.folder, record, setup.experiment.outputs);
+    if (std::filesystem::exists(setup.folder / "recorded.rawlog"))
+        add_to_manifest(setup.folder, {"recorded.rawlog"});
+    // Pictures come last: whatever happens to them, the numbers are on disk already.
+    enter(state, WorkerState::Stage::drawing);
+    draw(setup, record);
+    set_cost(record, setup);
+    write_metrics(setup.folder, record);
+    if (setup.experiment.outputs.report) {
+        write_report(setup.folder);
+        add_to_manifest(setup.folder, {"report.html"});
+    }
+    enter(state, WorkerState::Stage::idle);
+}
+
+}  // namespace loopline
