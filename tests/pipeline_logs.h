@@ -46,6 +46,15 @@ inline std::string file_bytes(const std::string& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Lines of a file that are no comment: the poses of a TUM file.
+inline std::size_t rows_of(const std::string& path) {
+    std::ifstream file(path);
+    std::size_t rows = 0;
+    for (std::string line; std::getline(file, line);)
+        if (!line.empty() && line[0] != '#') ++rows;
+    return rows;
+}
+
 inline void write_file(const std::string& path, const std::string& bytes) {
     std::ofstream(path, std::ios::binary) << bytes;
 }

@@ -82,7 +82,7 @@ TEST(RunDamagedLog, an_unknown_class_is_named_and_what_is_before_it_kept) {
     EXPECT_NE(result.err.find(other), std::string::npos) << result.err;
     EXPECT_NE(result.err.find("plugin"), std::string::npos) << result.err;
     expect_sentences(result.err, log);
-    EXPECT_EQ(small.lines_of("trajectory.tum"), 9u);
+    EXPECT_EQ(small.rows_of_trajectory(), 9u);
 }
 
 TEST(RunDamagedLog, a_wrong_checksum_is_told) {
@@ -95,7 +95,7 @@ TEST(RunDamagedLog, a_wrong_checksum_is_told) {
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_NE(result.err.find("checksum"), std::string::npos) << result.err;
     EXPECT_EQ(small.metrics()["status"], "damaged_input");
-    EXPECT_EQ(small.lines_of("trajectory.tum"), 225u) << "all of it is processed all the same";
+    EXPECT_EQ(small.rows_of_trajectory(), 225u) << "all of it is processed all the same";
 }
 
 TEST(RunDamagedLog, the_second_of_two_logs_may_be_damaged) {
@@ -106,5 +106,5 @@ TEST(RunDamagedLog, the_second_of_two_logs_may_be_damaged) {
     const auto result = small.run(telecom_log, {"--rawlog", log});
     EXPECT_EQ(result.exit_code, 3);
     expect_sentences(result.err, log);
-    EXPECT_GT(small.lines_of("trajectory.tum"), 225u);
+    EXPECT_GT(small.rows_of_trajectory(), 225u);
 }

@@ -76,7 +76,7 @@ TEST(RunOddLog, time_that_goes_backwards_is_told_and_the_order_kept) {
     std::swap(objects[6], objects[8]);  // two frames
     write_log(log, objects);
     expect_warning(small.run(log), "stamps go backwards 2 times, by up to 0.100 s");
-    EXPECT_EQ(small.lines_of("trajectory.tum"), 10u);
+    EXPECT_EQ(small.rows_of_trajectory(), 10u);
 }
 
 TEST(RunOddLog, two_sensors_with_one_label_are_told) {

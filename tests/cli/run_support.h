@@ -37,10 +37,7 @@ class SmallRun {
         const auto text = text_of("metrics.json");
         return text.empty() ? nlohmann::json() : nlohmann::json::parse(text);
     }
-    std::size_t lines_of(const std::string& file) const {
-        const auto text = text_of(file);
-        return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-    }
+    std::size_t rows_of_trajectory() const { return rows_of(out() + "/trajectory.tum"); }
 
  private:
     Folder folder_;

@@ -3,7 +3,6 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
@@ -96,10 +95,7 @@ class Run : public ::testing::Test {
     void use(std::uint64_t at, void (*accident)()) {
         setup_.experiment.modules = {std::make_shared<Walker>("walker", at, accident)};
     }
-    std::size_t poses() {
-        const auto text = file_bytes((setup_.folder / "trajectory.tum").string());
-        return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-    }
+    std::size_t poses() { return rows_of((setup_.folder / "trajectory.tum").string()); }
 
     Folder folder_;
     RunSetup setup_;

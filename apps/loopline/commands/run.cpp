@@ -29,13 +29,14 @@ void check_folder(const fs::path& folder) {
                                                    existing.string() + "; name another folder");
 }
 
-double cpu_s_so_far() {
+void set_cost_so_far(RunSetup& setup) {
     rusage used{};
     getrusage(RUSAGE_SELF, &used);
     const auto seconds = [](const timeval& time) {
         return double(time.tv_sec) + 1e-6 * double(time.tv_usec);
     };
-    return seconds(used.ru_utime) + seconds(used.ru_stime);
+    setup.cpu_before_s = seconds(used.ru_utime) + seconds(used.ru_stime);
+    setup.peak_before_mb = static_cast<double>(used.ru_maxrss) / 1024;
 }
 
 class RunCommand : public Command {
@@ -67,7 +68,7 @@ class RunCommand : public Command {
         for (const auto& rawlog : setup.experiment.run.rawlogs) LogFile can_be_opened(rawlog);
         setup.reference = load_evaluation_reference(setup.experiment.evaluation);
         check_folder(setup.folder);
-        setup.cpu_before_s = cpu_s_so_far();
+        set_cost_so_far(setup);
 
         Supervision supervision;
         supervision.rawlogs = setup.experiment.run.rawlogs;

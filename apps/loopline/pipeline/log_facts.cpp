@@ -43,13 +43,21 @@ bool is_laser_scan(const mrpt::obs::CObservation& observation) {
     return false;
 }
 
+SensorFacts& LogFacts::facts_of(const mrpt::obs::CObservation& observation) {
+    const auto* class_id = observation.GetRuntimeClass();
+    for (const auto& known : known_)
+        if (known.class_id == class_id && known.label == observation.sensorLabel) return *known.facts;
+    SensorFacts& facts = sensors_[{class_id->className, observation.sensorLabel}];
+    known_.push_back({class_id, observation.sensorLabel, &facts});
+    return facts;
+}
+
 void LogFacts::add(const mrpt::obs::CObservation& observation, StampNs stamp_ns) {
     if (observations_++ == 0) first_stamp_ns_ = stamp_ns;
     last_stamp_ns_ = stamp_ns;
     if (is_laser_scan(observation)) ++scans_;
 
-    const SensorKey key{observation.GetRuntimeClass()->className, observation.sensorLabel};
-    auto& sensor = sensors_[key];
+    SensorFacts& sensor = facts_of(observation);
     if (sensor.count++ == 0) sensor.first_stamp_ns = stamp_ns;
     sensor.last_stamp_ns = stamp_ns;
     if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
@@ -57,11 +65,11 @@ void LogFacts::add(const mrpt::obs::CObservation& observation, StampNs stamp_ns)
         if (sensor.count == 1) {
             sensor.beams = scan->getScanSize();
             sensor.aperture_rad = scan->aperture;
-            first_scan_poses_[key] = pose;
+            sensor.T_base_sensor = pose;
         } else if (!sensor.varies) {
             sensor.varies = sensor.beams != scan->getScanSize() ||
                             std::abs(sensor.aperture_rad - scan->aperture) > 1e-4F ||
-                            differ(pose, first_scan_poses_[key]);
+                            differ(pose, sensor.T_base_sensor);
         }
     }
 }

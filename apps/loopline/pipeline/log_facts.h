@@ -1,6 +1,7 @@
 /// What a log turned out to hold, and what a user should know about it: gathered while it streams by.
 #pragma once
 
+#include <mrpt/math/TPose3D.h>
 #include <mrpt/obs/CObservation.h>
 
 #include <cstdint>
@@ -18,9 +19,10 @@ struct SensorFacts {
     std::uint64_t count = 0;
     StampNs first_stamp_ns = 0;
     StampNs last_stamp_ns = 0;
-    std::size_t beams = 0;   ///< of the first scan; 0 if it is no planar scan
-    float aperture_rad = 0;  ///< of the first scan
-    bool varies = false;     ///< beams, aperture or the sensor's place on the vehicle changed
+    std::size_t beams = 0;              ///< of the first scan; 0 if it is no planar scan
+    float aperture_rad = 0;             ///< of the first scan
+    mrpt::math::TPose3D T_base_sensor;  ///< of the first scan
+    bool varies = false;                ///< beams, aperture or the sensor's place on the vehicle changed
 };
 
 class LogFacts {
@@ -44,8 +46,15 @@ class LogFacts {
     std::vector<std::string> label_warnings() const;
 
  private:
+    struct Known {
+        const mrpt::rtti::TRuntimeClassId* class_id;
+        std::string label;
+        SensorFacts* facts;
+    };
+    SensorFacts& facts_of(const mrpt::obs::CObservation& observation);
+
     std::map<SensorKey, SensorFacts> sensors_;
-    std::map<SensorKey, mrpt::math::TPose3D> first_scan_poses_;
+    std::vector<Known> known_;  ///< the same, without making names for each observation
     std::uint64_t observations_ = 0, scans_ = 0;
     StampNs first_stamp_ns_ = 0, last_stamp_ns_ = 0;
 };

@@ -32,9 +32,10 @@ const char* refusal_of_scan(CObservation2DRangeScan& scan) {
     if (!finite_within(scan.deltaPitch, 2 * M_PI) || !std::isfinite(scan.stdError) || scan.stdError < 0 ||
         !std::isfinite(scan.beamAperture) || scan.beamAperture < 0)
         return "laser scans with impossible properties";
-    for (std::size_t i = 0; i < scan.getScanSize(); ++i) {
-        const float range_m = scan.getScanRange(i);
-        if (range_m > 0 && range_m < farthest_range_m) continue;  // false for NaN
+    const std::size_t beams = scan.getScanSize();
+    const float* ranges_m = &scan.getScanRange(0);  // one checked call for all beams
+    for (std::size_t i = 0; i < beams; ++i) {
+        if (ranges_m[i] > 0 && ranges_m[i] < farthest_range_m) continue;  // false for NaN
         scan.setScanRange(i, 0);
         scan.setScanRangeValidity(i, false);
     }

@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
@@ -44,7 +45,7 @@ void set_cost(RunRecord& record, const RunSetup& setup) {
     rusage used{};
     getrusage(RUSAGE_SELF, &used);
     record.cpu_s = setup.cpu_before_s + seconds(used.ru_utime) + seconds(used.ru_stime);
-    record.peak_memory_mb = static_cast<double>(used.ru_maxrss) / 1024;
+    record.peak_memory_mb = std::max(setup.peak_before_mb, static_cast<double>(used.ru_maxrss) / 1024);
     record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - setup.start).count();
 }
 

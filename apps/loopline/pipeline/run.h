@@ -19,7 +19,8 @@ struct RunSetup {
     int threads = 1;
     bool quiet = false;
     std::chrono::steady_clock::time_point start;
-    double cpu_before_s = 0;  ///< of loading the program and the experiment, before the worker began
+    /// Of loading the program and the experiment, before the worker began.
+    double cpu_before_s = 0, peak_before_mb = 0;
 };
 
 /// Runs the experiment in this process and writes its results; returns the exit code. Throws CommandError if
