@@ -121,7 +121,8 @@ SceneSizes sizes_for_overview(const SceneContent& content) {
     Bounds bounds = bounds_of(content);
     const double diagonal_m = bounds.empty() ? 10 : std::max(2.0, bounds.extent_m().head<2>().norm());
     SceneSizes sizes;
-    sizes.wall_height_m = std::max(std::min(2.0, 0.05 * diagonal_m), 0.018 * diagonal_m);
+    // Low enough to look over into corridors.
+    sizes.wall_height_m = 0.02 * diagonal_m;
     sizes.wall_thickness_m = 0.0028 * diagonal_m;
     sizes.path_radius_m = 0.0024 * diagonal_m;
     sizes.pin_height_m = 0.035 * diagonal_m;

@@ -45,7 +45,7 @@ ViewCamera axonometric_camera(const SceneContent& content, double wall_height_m,
     constexpr double margin = 1.08;
     ViewCamera camera;
     camera.azimuth_deg = -65;
-    camera.elevation_deg = 48;
+    camera.elevation_deg = 52;
     const Bounds whole = bounds_of(content);
     if (whole.empty()) return camera;
 
