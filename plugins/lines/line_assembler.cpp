@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lines/chord_chains.h"
+
 namespace loopline::lines {
 namespace {
 
@@ -12,17 +14,10 @@ constexpr double chi2_2_99 = 9.2103;
 /// them.
 constexpr double prior_degrees_of_freedom = 30;
 constexpr double max_autocorrelation = 0.95;
-constexpr double max_round_radius_m = 20;
 constexpr double extension_sigmas2 = 4;
-constexpr std::size_t max_points_between = 2;  // of neighbours that touch
 
 double along_m(const NormalForm& line, const ScanPoint& p) {
     return line.along_m(p.x_m, p.y_m);
-}
-
-/// Angle from a's normal to b's, in [-pi/2, pi/2] for lines seen from the same side.
-double turn_rad(const NormalForm& a, const NormalForm& b) {
-    return std::asin(std::clamp(a.nx * b.ny - a.ny * b.nx, -1.0, 1.0));
 }
 
 /// What the residuals say about the covariance that the noise model gives: by their size (the stated noise
@@ -71,7 +66,7 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
                   labels_.begin() + static_cast<std::ptrdiff_t>(piece.run.end), label);
     }
     for (const Piece& piece : pieces) {
-        Candidate c;
+        LineCandidate c;
         c.label = static_cast<int>(candidates_.size());
         c.run = piece.run;
         if (piece.arc || piece.run.size() < static_cast<std::size_t>(parameters.min_beams)) {
@@ -83,11 +78,11 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
         }
         candidates_.push_back(c);
     }
-    drop_chains_of_chords(points, pieces, parameters);
+    drop_chains_of_chords(points, pieces, parameters, candidates_);
     merge_collinear(points, noise, parameters);
 
     segments.clear();
-    for (const Candidate& c : candidates_)
+    for (const LineCandidate& c : candidates_)
         if (!c.rejected && acceptable(points, parameters, c))
             segments.push_back(segment_of(points, c.fit, c.first, c.last));
     std::sort(segments.begin(), segments.end(),
@@ -97,7 +92,7 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
 /// Takes in the points beside the piece that no piece has and that lie on its line: where a break was a
 /// little off a corner, what it cut off was too short for a piece.
 void LineAssembler::extend(const ScanPoints& points, const NoiseModel& noise, const Piece& piece,
-                           Candidate& c) {
+                           LineCandidate& c) {
     const NormalForm& line = piece.shape.fit.line;
     const double variance_m2 =
         std::max(piece.shape.fit.across_m2, noise.mean_variance_m2(points.moments(c.run), line.rho_m));
@@ -109,7 +104,7 @@ void LineAssembler::extend(const ScanPoints& points, const NoiseModel& noise, co
     while (c.run.end < piece.block.end && belongs(c.run.end)) labels_[c.run.end++] = c.label;
 }
 
-bool LineAssembler::fit(const ScanPoints& points, const NoiseModel& noise, Candidate& c) const {
+bool LineAssembler::fit(const ScanPoints& points, const NoiseModel& noise, LineCandidate& c) const {
     const QuickFit quick = quick_fit(c.moments);
     const double variance_m2 = noise.mean_variance_m2(c.moments, quick.line.rho_m);
     const double excess = quick.across_m2 * c.moments.n / ((c.moments.n - 2) * variance_m2);
@@ -124,60 +119,10 @@ bool LineAssembler::fit(const ScanPoints& points, const NoiseModel& noise, Candi
 }
 
 bool LineAssembler::acceptable(const ScanPoints& points, const ExtractionParameters& parameters,
-                               const Candidate& c) const {
-    const double length_m = along_m(c.fit.line, points[c.last]) - along_m(c.fit.line, points[c.first]);
+                               const LineCandidate& c) const {
     return c.fit.count >= static_cast<std::size_t>(parameters.min_beams) &&
-           length_m >= parameters.min_length_m &&
+           c.length_m(points) >= parameters.min_length_m &&
            c.fit.covariance(1, 1) <= parameters.max_sigma_alpha_rad * parameters.max_sigma_alpha_rad;
-}
-
-/// A round wall falls into chords that touch and turn a little from one to the next. Two neighbours of
-/// lengths a, b that turn by delta suggest the curvature delta / ((a + b) / 2), a bend with sagitta s over
-/// length l the curvature 8 s / l^2. A chord of such an arc has a sagitta that its own points would show:
-/// what does not show itself straighter than half of that, and would turn noticeably, is no wall. Bends
-/// flatter than max_round_radius_m are wobbling walls.
-void LineAssembler::drop_chains_of_chords(const ScanPoints& points, const std::vector<Piece>& pieces,
-                                          const ExtractionParameters& parameters) {
-    const double noticeable_rad = 2 * parameters.max_sigma_alpha_rad;
-    const auto length_m = [&](const Candidate& c) {
-        return along_m(c.fit.line, points[c.last]) - along_m(c.fit.line, points[c.first]);
-    };
-    // Rejects c if it may be a chord of an arc that a neighbour of some length suggests.
-    const auto judge = [&](Candidate& c, const Piece& piece, double curvature_per_m, double neighbour_m) {
-        const double length = length_m(c);
-        if (std::abs(curvature_per_m) < 1 / max_round_radius_m || neighbour_m < length / 2 ||
-            std::abs(curvature_per_m) * length < noticeable_rad)
-            return;
-        const double implied_m = std::abs(curvature_per_m) * length * length / 8;
-        const double shown_m = curvature_per_m > 0 ? piece.shape.sagitta_m : -piece.shape.sagitta_m;
-        if (shown_m + piece.shape.sigma_sagitta_m > implied_m / 2) c.rejected = true;
-    };
-    const auto enough_beams = [&](const Candidate& c) {
-        return c.run.size() >= static_cast<std::size_t>(parameters.min_beams);
-    };
-    for (std::size_t i = 0; i + 1 < candidates_.size(); ++i) {
-        Candidate &a = candidates_[i], &b = candidates_[i + 1];
-        const Piece &piece_a = pieces[i], &piece_b = pieces[i + 1];
-        if (piece_a.run.end + max_points_between < piece_b.run.begin || !enough_beams(a) || !enough_beams(b))
-            continue;
-        const bool arc_a = piece_a.arc, arc_b = piece_b.arc;
-        if (arc_a && arc_b) continue;
-        const double turn = turn_rad(piece_a.shape.fit.line, piece_b.shape.fit.line);
-        if (arc_a || arc_b) {
-            const Straightness& arc = arc_a ? piece_a.shape : piece_b.shape;
-            const double arc_m = std::sqrt(12 * arc.fit.along_m2);
-            const double curvature_per_m = 8 * arc.sagitta_m / (arc_m * arc_m);
-            // Half of the arc's own turn lies between its chord and its end.
-            if (std::abs(turn - curvature_per_m * arc_m / 2) > parameters.angle_threshold_rad) continue;
-            Candidate& straight = arc_a ? b : a;
-            if (!straight.rejected) judge(straight, arc_a ? piece_b : piece_a, curvature_per_m, arc_m);
-        } else if (a.fit.valid && b.fit.valid && std::abs(turn) <= parameters.angle_threshold_rad) {
-            const double length_a = length_m(a), length_b = length_m(b);
-            const double curvature_per_m = turn / std::max(1e-6, 0.5 * (length_a + length_b));
-            judge(a, piece_a, curvature_per_m, length_b);
-            judge(b, piece_b, curvature_per_m, length_a);
-        }
-    }
 }
 
 void LineAssembler::merge_collinear(const ScanPoints& points, const NoiseModel& noise,
@@ -198,7 +143,7 @@ void LineAssembler::merge_collinear(const ScanPoints& points, const NoiseModel& 
 /// Takes b's points into a if both are one line: close enough, equal within their covariances, and straight
 /// together.
 bool LineAssembler::merge(const ScanPoints& points, const NoiseModel& noise,
-                          const ExtractionParameters& parameters, Candidate& a, Candidate& b,
+                          const ExtractionParameters& parameters, LineCandidate& a, LineCandidate& b,
                           bool over_the_seam) {
     const NormalForm &line_a = a.fit.line, &line_b = b.fit.line;
     if (line_a.nx * line_b.nx + line_a.ny * line_b.ny < 0.95) return false;
@@ -230,7 +175,7 @@ bool LineAssembler::merge(const ScanPoints& points, const NoiseModel& noise,
     if (together.across_m2 > chi2_per_degree_limit(moments.n - 2) * variance_m2 + 4.0 / 45.0 * bow_m * bow_m)
         return false;
 
-    Candidate merged = a;
+    LineCandidate merged = a;
     merged.run = {std::min(a.run.begin, b.run.begin), std::max(a.run.end, b.run.end)};
     merged.moments = moments;
     merged.over_the_seam = a.over_the_seam || over_the_seam;

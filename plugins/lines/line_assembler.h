@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lines/extraction_parameters.h"
-#include "lines/line_fit.h"
+#include "lines/line_candidate.h"
 #include "lines/line_segment.h"
 #include "lines/splitting.h"
 
@@ -18,30 +18,17 @@ class LineAssembler {
                   const ExtractionParameters& parameters, LineSegments& segments);
 
  private:
-    struct Candidate {
-        int label = 0;
-        Interval run;     ///< from its first point to its last; others may lie between
-        Moments moments;  ///< of its points
-        LikelyFit fit;
-        bool rejected = false;
-        std::size_t first = 0;  ///< outermost points of the fit, in the order of bearing
-        std::size_t last = 0;
-        bool over_the_seam =
-            false;  ///< in a full-circle scan: begins before its end and ends after its beginning
-    };
-
-    void extend(const ScanPoints& points, const NoiseModel& noise, const Piece& piece, Candidate& candidate);
-    bool fit(const ScanPoints& points, const NoiseModel& noise, Candidate& candidate) const;
-    void drop_chains_of_chords(const ScanPoints& points, const std::vector<Piece>& pieces,
-                               const ExtractionParameters& parameters);
+    void extend(const ScanPoints& points, const NoiseModel& noise, const Piece& piece,
+                LineCandidate& candidate);
+    bool fit(const ScanPoints& points, const NoiseModel& noise, LineCandidate& candidate) const;
     void merge_collinear(const ScanPoints& points, const NoiseModel& noise,
                          const ExtractionParameters& parameters);
     bool merge(const ScanPoints& points, const NoiseModel& noise, const ExtractionParameters& parameters,
-               Candidate& a, Candidate& b, bool over_the_seam);
+               LineCandidate& a, LineCandidate& b, bool over_the_seam);
     bool acceptable(const ScanPoints& points, const ExtractionParameters& parameters,
-                    const Candidate& c) const;
+                    const LineCandidate& c) const;
 
-    std::vector<Candidate> candidates_;
+    std::vector<LineCandidate> candidates_;
     std::vector<int> labels_;  ///< candidate of each point, -1 where none
 };
 
