@@ -59,3 +59,14 @@ TEST_F(CheckTest, empty_and_junk_logs_are_refused_in_words) {
     expect(check(folder_.write("empty.rawlog", "")), 3, {"empty.rawlog: ", "it can't run"});
     expect(check(folder_.write("junk.rawlog", std::string(5000, 'x'))), 3, {"junk.rawlog: ", "it can't run"});
 }
+
+TEST_F(CheckTest, damaged_bytes_never_end_it_by_a_signal) {
+    const std::string whole = test::file_text(telecom_log);
+    for (const std::size_t place : {200u, 3000u, 40000u, 90000u, 150000u}) {
+        std::string bytes = whole;
+        for (std::size_t i = 0; i < 4; ++i) bytes[place + i] = static_cast<char>(0xFF);
+        const auto result = check(folder_.write("odd.rawlog", bytes));
+        EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 3) << place << ": " << result.exit_code;
+        EXPECT_NE(result.out.find("Verdict: "), std::string::npos) << place;
+    }
+}

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "support/run_program.h"
 
@@ -136,17 +137,23 @@ test::ProgramResult run_ini(const test::TemporaryFolder& folder, std::vector<std
 
 }  // namespace
 
-TEST_P(WrongIniTest, is_refused_by_check) {
+TEST_P(WrongIniTest, is_refused_by_run_and_check_alike_and_nothing_is_written) {
     const auto& wrong = GetParam();
     const test::TemporaryFolder folder;
     folder.write("a.rawlog", "");
     folder.write("e.ini", wrong.text);
-    const auto result = run_ini(folder, {"check", "e.ini"}, wrong.arguments);
-    EXPECT_EQ(result.exit_code, wrong.exit_code) << result.err;
+    const auto run = run_ini(folder, {"run", "e.ini", "--out", "out/put"}, wrong.arguments);
+    EXPECT_EQ(run.exit_code, wrong.exit_code) << run.err;
     for (const auto& words : wrong.said)
-        EXPECT_NE(result.err.find(words), std::string::npos) << "\"" << words << "\" is not in:\n"
-                                                             << result.err;
-    EXPECT_EQ(result.out, "");
+        EXPECT_NE(run.err.find(words), std::string::npos) << "\"" << words << "\" is not in:\n" << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "runs"));
+
+    const auto check = run_ini(folder, {"check", "e.ini"}, wrong.arguments);
+    EXPECT_EQ(check.exit_code, run.exit_code);
+    EXPECT_EQ(check.err, run.err);
+    EXPECT_EQ(check.out, "");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, WrongIniTest, testing::ValuesIn(wrong_inis),
@@ -168,4 +175,24 @@ TEST(WrongIni, a_file_that_can_not_be_read_is_named) {
     const test::TemporaryFolder folder;
     EXPECT_EQ(run_ini(folder, {"check", "none.ini"}, {}).err, "none.ini: there is no such file\n");
     EXPECT_EQ(run_ini(folder, {"check", "."}, {}).exit_code, 2);
+}
+
+TEST(EffectiveIni, repeats_the_run_byte_for_byte) {
+    const test::TemporaryFolder folder;
+    const std::vector<std::string> estimate_only{"--quiet", "--set", "outputs.snapshots=false", "--set",
+                                                 "outputs.report=false"};
+    const auto run = [&](const std::string& ini, const std::string& out) {
+        std::vector<std::string> words{"run", ini, "--out", (folder / out).string()};
+        words.insert(words.end(), estimate_only.begin(), estimate_only.end());
+        return test::run_loopline(words);
+    };
+    const auto first = run(LOOPLINE_SOURCE_FOLDER "/ini/real/telecom_faculty_lines.ini", "first");
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const auto again = run((folder / "first/config.ini").string(), "again");
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    for (const char* file : {"config.ini", "trajectory.tum", "covariance.csv", "map.lines.csv"}) {
+        const std::string bytes = test::file_text(folder / "first" / file);
+        EXPECT_FALSE(bytes.empty()) << file;
+        EXPECT_TRUE(bytes == test::file_text(folder / "again" / file)) << file << " differs";
+    }
 }

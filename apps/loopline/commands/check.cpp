@@ -5,16 +5,17 @@
 
 #include "commands/check_report.h"
 #include "commands/terminal.h"
+#include "pipeline/supervisor.h"
 
 namespace loopline {
 namespace {
 
-/// Reads the logs once.
-int check_logs(const Experiment& experiment, const ReadingRules& rules) {
-    LogSource source(experiment.run.rawlogs, rules);
+/// Reads the logs once; in a worker process, since damaged bytes can crash MRPT's readers.
+int check_logs(const Experiment& experiment, const Attempt& attempt) {
+    LogSource source(experiment.run.rawlogs, attempt.rules);
     LogSurvey survey;
     for (StreamItem item; source.next(item);) {
-        if (rules.state && rules.state->stop_requested) return exit_interrupted;
+        if (attempt.rules.state && attempt.rules.state->stop_requested) return exit_interrupted;
         survey.add(item);
     }
     const auto report = check_report(experiment, source, survey, terminal_width());
@@ -39,7 +40,10 @@ class CheckCommand : public Command {
 
     ExitCode run() override {
         const auto experiment = load_experiment(config_, overrides_, rawlogs_);
-        return static_cast<ExitCode>(check_logs(experiment, {}));
+        Supervision supervision;
+        supervision.rawlogs = experiment.run.rawlogs;
+        return static_cast<ExitCode>(supervise(
+            supervision, [&experiment](const Attempt& attempt) { return check_logs(experiment, attempt); }));
     }
 
  private:

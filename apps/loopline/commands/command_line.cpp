@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <functional>
 #include <iostream>
@@ -16,6 +17,12 @@ namespace loopline {
 namespace {
 
 volatile std::sig_atomic_t pipe_was_closed = 0;
+
+std::string capitalised(std::string sentence) {
+    if (!sentence.empty())
+        sentence[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence[0])));
+    return sentence;
+}
 
 std::vector<std::string> command_names(const CLI::App& app) {
     std::vector<std::string> names;
@@ -128,7 +135,7 @@ int run_command_line(const std::vector<std::unique_ptr<Command>>& commands, std:
     app.footer(exit_codes);  // the commands inherit it
     Command* chosen = nullptr;
     for (const auto& command : commands) {
-        auto* sub = app.add_subcommand(command->name(), command->sentence());
+        auto* sub = app.add_subcommand(command->name(), capitalised(command->sentence()));
         sub->set_help_flag("-h,--help", "Print this help");
         command->declare(*sub);
         sub->callback([&chosen, &command] { chosen = command.get(); });
