@@ -26,7 +26,7 @@ int check_logs(const Experiment& experiment, const Attempt& attempt) {
 class CheckCommand : public Command {
  public:
     std::string name() const override { return "check"; }
-    std::string sentence() const override { return "Check a configuration and its data before a long run"; }
+    std::string sentence() const override { return "Checks a configuration and its data before a long run"; }
 
     void declare(CLI::App& app) override {
         app.add_option("config", config_, "The experiment's .ini file")->required()->type_name("CONFIG.ini");

@@ -14,7 +14,7 @@ namespace {
 class DescribeCommand : public Command {
  public:
     std::string name() const override { return "describe"; }
-    std::string sentence() const override { return "List the modules, and explain the keys of each"; }
+    std::string sentence() const override { return "Lists the modules, and explains the keys of each"; }
 
     void declare(CLI::App& app) override {
         app.add_option("name", name_, "A module, map builder or section; all of them if none is named")

@@ -114,13 +114,17 @@ class EvaluateCommand : public Command {
 
     void declare(CLI::App& app) override {
         app.add_option("--estimate", options_.estimate, "Trajectory: TUM, \"t x y theta\" or KITTI poses")
-            ->required();
+            ->required()
+            ->type_name("FILE");
         app.add_option("--reference", options_.reference,
-                       "What it is compared with, in any of the same formats");
+                       "What it is compared with, in any of the same formats")
+            ->type_name("FILE");
         app.add_option("--relations", options_.relations,
-                       "Relations \"t1 t2 x y z roll pitch yaw\" (Kuemmerle et al. 2009)");
+                       "Relations \"t1 t2 x y z roll pitch yaw\" (Kuemmerle et al. 2009)")
+            ->type_name("FILE");
         app.add_option("--odometry", options_.odometry,
                        "Dense odometry that carries a pose to a relation's time")
+            ->type_name("FILE")
             ->needs(app.get_option("--relations"));
         app.add_flag("--kitti", options_.kitti, "Also KITTI's errors over segments of 100 to 800 m")
             ->needs(app.get_option("--reference"));

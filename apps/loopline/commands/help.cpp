@@ -14,6 +14,7 @@ namespace {
 
 /// CLI11 makes up type names such as FLOAT:POSITIVE or ENUM:value in {...}: said in a word.
 std::string value_word(const CLI::Option& option) {
+    if (const std::string& chosen = option.get_option_text(); !chosen.empty()) return chosen;
     const std::string type = option.get_type_name();
     const auto is = [&](const std::string& name) { return type == name || type.rfind(name + ":", 0) == 0; };
     if (is("FLOAT")) return "NUMBER";
@@ -95,8 +96,7 @@ std::string two_columns(const Rows& rows, std::size_t width) {
 Rows option_rows(const std::vector<const CLI::Option*>& options) {
     Rows rows;
     for (const auto* option : options) {
-        std::string remark = option->get_required() && option->nonpositional() ? " (required)" : "";
-        if (!option->get_option_text().empty()) remark += " (" + option->get_option_text() + ")";
+        const std::string remark = option->get_required() && option->nonpositional() ? " (required)" : "";
         rows.emplace_back(written(*option), option->get_description() + remark);
     }
     return rows;

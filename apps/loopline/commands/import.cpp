@@ -78,7 +78,7 @@ class RawlogFile : public RawlogSink {
 class ImportCommand : public Command {
  public:
     std::string name() const override { return "import"; }
-    std::string sentence() const override { return "Logs of other programs as rawlogs: carmen"; }
+    std::string sentence() const override { return "Turns logs of other programs into rawlogs: carmen"; }
 
     void declare(CLI::App& app) override {
         app.require_subcommand(0, 1);
@@ -129,8 +129,8 @@ class ImportCommand : public Command {
                            if (const auto wrong = parameter.parse(text))
                                throw CLI::ValidationError(option_name(parameter.name), text + " " + *wrong);
                        },
-                       parameter.sentence)
-                    ->option_text(parameter_facts(parameter));
+                       parameter.sentence + " (" + parameter_facts(parameter) + ")")
+                    ->type_name("VALUE");
             sub->callback([this, importer] { chosen_ = importer; });
         }
     }

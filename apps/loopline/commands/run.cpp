@@ -47,11 +47,14 @@ class RunCommand : public Command {
     }
 
     void declare(CLI::App& app) override {
-        app.add_option("config", config_, "The experiment's .ini")->required();
-        app.add_option("--rawlog", rawlogs_, "A log, in place of [run] rawlog; may be given several times")
+        app.add_option("config", config_, "The experiment's .ini file")->required()->type_name("CONFIG.ini");
+        app.add_option("--rawlog", rawlogs_, "Log to use instead of [run] rawlog; may be repeated")
+            ->type_name("FILE")
             ->allow_extra_args(false);
-        app.add_option("--out", folder_, "The run directory; runs/NAME for NAME.ini if it is not given");
-        app.add_option("--set", overrides_, "section.key=value, in place of the .ini's")
+        app.add_option("--out", folder_, "The run directory; runs/NAME for NAME.ini if it is not given")
+            ->type_name("DIR");
+        app.add_option("--set", overrides_, "Override one key; may be repeated")
+            ->type_name("SECTION.KEY=VALUE")
             ->allow_extra_args(false);
         app.add_option("--threads", threads_, "At most so many; the result does not depend on it")
             ->check(CLI::Range(1, 1024));
