@@ -1,7 +1,6 @@
 /// SIGINT, SIGTERM and SIGKILL in the middle of a run.
-#include <gtest/gtest.h>
-
 #include <fcntl.h>
+#include <gtest/gtest.h>
 
 #include <chrono>
 #include <csignal>

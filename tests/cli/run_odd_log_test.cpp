@@ -1,6 +1,6 @@
 /// Logs that are intact but odd: the run says so and goes on, or says why it can't.
 #include <gtest/gtest.h>
-#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationOdometry.h>
 
 #include <limits>
 
@@ -22,13 +22,13 @@ void expect_warning(const test::ProgramResult& result, const std::string& words)
 TEST(RunOddLog, without_scans_says_what_there_is_and_writes_nothing) {
     const SmallRun small;
     const std::string log = small.folder() / "talk.rawlog";
-    auto comment = mrpt::obs::CObservationComment::Create();
-    comment->sensorLabel = "notes";
-    write_log(log, {comment});
+    auto odometry = mrpt::obs::CObservationOdometry::Create();
+    odometry->sensorLabel = "ODO";
+    write_log(log, {odometry});
     const auto result = small.run(log);
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_NE(
-        result.err.find("needs CObservation2DRangeScan, and this log holds 1 CObservationComment (notes)"),
+        result.err.find("needs CObservation2DRangeScan, and this log holds 1 CObservationOdometry (ODO)"),
         std::string::npos)
         << result.err;
     expect_sentences(result.err, log);
@@ -75,7 +75,7 @@ TEST(RunOddLog, time_that_goes_backwards_is_told_and_the_order_kept) {
     auto objects = drive(10);
     std::swap(objects[6], objects[8]);  // two frames
     write_log(log, objects);
-    expect_warning(small.run(log), "stamps go backwards 2 times, by up to 0.100 s");
+    expect_warning(small.run(log), "stamps go backwards 1 time, by 0.100 s");
     EXPECT_EQ(small.rows_of_trajectory(), 10u);
 }
 
