@@ -22,6 +22,7 @@ struct Mounting {
     enum class Source {
         poses,      ///< the laser and robot poses of all scans differ by this
         parameter,  ///< PARAM robot_frontlaser_offset
+        given,      ///< by the person
         unknown     ///< nothing says so: at the origin
     };
     Pose2 T_base_laser;

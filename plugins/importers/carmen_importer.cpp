@@ -73,6 +73,11 @@ ParameterTable CarmenImporter::parameters() {
                "beams.")
         .real("max_range_m", max_range_m_, Range::at_least(0),
               "Ranges from here on are no returns; 0 takes the log's own word, or 81 m.")
+        .real(
+            "laser_x_m", T_base_laser_.x_m, Range::any(),
+            "Where the laser sits on the vehicle, ahead of its origin; all three 0 take the log's own word.")
+        .real("laser_y_m", T_base_laser_.y_m, Range::any(), "The same, to the left.")
+        .angle("laser_yaw_deg", T_base_laser_.phi_rad, {-180, 180}, "The same, turned counter-clockwise.")
         .real("sigma_range_m", sigma_range_m_, Range::at_least(0),
               "Standard deviation of a range, as noted with the scans.");
 }
@@ -115,6 +120,10 @@ CarmenImporter::Sensor CarmenImporter::describe_sensor(const Log& log, RawlogSin
             "there is no laser scan (FLASER, ROBOTLASER1 or RAWLASER1 line) in the input");
 
     sensor.mounting = find_mounting(log, sensor.message);
+    if (T_base_laser_.x_m != 0 || T_base_laser_.y_m != 0 || T_base_laser_.phi_rad != 0) {
+        sensor.mounting.T_base_laser = T_base_laser_;
+        sensor.mounting.source = carmen::Mounting::Source::given;
+    }
     if (sensor.mounting.corrected_poses)
         sink.warn(
             "the laser poses are not at one place on the robot, so a mapper has corrected them; only the "
@@ -197,7 +206,8 @@ std::string CarmenImporter::summary(const Log& log, const Sensor& sensor) const 
         last = std::max(last.value_or(stamp_ns), stamp_ns);
     }
     const Pose2& mount = sensor.mounting.T_base_laser;
-    const char* const sources[] = {" (from its poses)", " (PARAM robot_frontlaser_offset)", " (assumed)"};
+    const char* const sources[] = {" (from its poses)", " (PARAM robot_frontlaser_offset)", " (as given)",
+                                   " (assumed)"};
     std::string sentence =
         std::to_string(count_scans(log, sensor.message)) + " " + name_of(sensor.message) + " scans of " +
         std::to_string(example->ranges_m.size()) + " beams over " +

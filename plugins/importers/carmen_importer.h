@@ -40,6 +40,7 @@ class CarmenImporter : public Importer {
     double aperture_rad_ = 0;
     double max_range_m_ = 0;
     double sigma_range_m_ = 0.01;
+    Pose2 T_base_laser_;  ///< as given; the identity: not given
 };
 
 }  // namespace loopline

@@ -119,6 +119,7 @@ class ImportCommand : public Command {
         for (const auto& format : known_importers()) {
             const Importer::Ptr importer = make_importer(format);
             auto* sub = app.add_subcommand(format, importer->info().sentence);
+            sub->allow_extras(false);  // which it inherits
             sub->add_option("IN", inputs_, "Files, taken one after the other")->required();
             sub->add_option("--out", out_, "The rawlog to write")->required()->type_name("F.rawlog");
             const ParameterTable table = importer->parameters();
