@@ -71,6 +71,8 @@ ParameterTable CarmenImporter::parameters() {
         .angle("aperture_deg", aperture_rad_, {0, 360},
                "From the first to the last beam; 0 takes the log's own word, or guesses from the number of "
                "beams.")
+        .real("min_range_m", min_range_m_, Range::at_least(0),
+              "Ranges up to here are no returns: below 2 cm are the error codes of the small Hokuyo lasers.")
         .real("max_range_m", max_range_m_, Range::at_least(0),
               "Ranges from here on are no returns; 0 takes the log's own word, or 81 m.")
         .real(
@@ -153,6 +155,7 @@ mrpt::obs::CObservation2DRangeScan CarmenImporter::observation_of(const Scan& sc
     carmen::ScanProperties properties;
     properties.stamp_ns = stamp_of(scan.times);
     properties.aperture_rad = aperture_rad(scan, sensor);
+    properties.min_range_m = min_range_m_;
     properties.max_range_m =
         scan.configuration && max_range_m_ == 0 ? scan.configuration->max_range_m : sensor.max_range_m;
     properties.sigma_range_m = sigma_range_m_;

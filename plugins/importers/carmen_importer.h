@@ -38,6 +38,7 @@ class CarmenImporter : public Importer {
     Format format_ = Format::sf;
     Stamp stamp_ = Stamp::ipc;
     double aperture_rad_ = 0;
+    double min_range_m_ = 0.02;
     double max_range_m_ = 0;
     double sigma_range_m_ = 0.01;
     Pose2 T_base_laser_;  ///< as given; the identity: not given

@@ -23,7 +23,8 @@ mrpt::obs::CObservation2DRangeScan scan_observation(const Scan& scan, const Scan
     for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
         const float range_m = scan.ranges_m[i];
         observation.setScanRange(i, range_m);
-        observation.setScanRangeValidity(i, range_m > 0 && range_m < observation.maxRange);
+        observation.setScanRangeValidity(
+            i, range_m > static_cast<float>(properties.min_range_m) && range_m < observation.maxRange);
     }
     return observation;
 }

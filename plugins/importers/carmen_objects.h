@@ -12,12 +12,13 @@ namespace loopline::carmen {
 struct ScanProperties {
     StampNs stamp_ns = 0;
     double aperture_rad = 0;
+    double min_range_m = 0;
     double max_range_m = 0;
     double sigma_range_m = 0;
     Pose2 T_base_laser;
 };
 
-/// Ranges that are not above 0, or not below the maximum, are kept and marked invalid.
+/// Ranges that are not above the minimum, or not below the maximum, are kept and marked invalid.
 mrpt::obs::CObservation2DRangeScan scan_observation(const Scan& scan, const ScanProperties& properties);
 
 mrpt::obs::CObservationOdometry odometry_observation(const Pose2& T_odom_base, StampNs stamp_ns);
