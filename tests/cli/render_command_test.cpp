@@ -76,3 +76,17 @@ TEST(RenderCommand, wrong_arguments_are_answered_with_a_sentence) {
     EXPECT_EQ(test::run_loopline({"render", tum}).exit_code, 2);
     EXPECT_EQ(test::run_loopline({"render"}).exit_code, 2);
 }
+
+TEST(RenderCommand, without_a_driver_plans_are_drawn_and_spatial_views_refused_with_a_sentence) {
+    const test::TemporaryFolder folder;
+    const std::string tum = folder.write("trajectory.tum", tum_path());
+    const std::vector<std::string> no_driver{"LIBGL_DRIVERS_PATH=/nowhere"};
+    EXPECT_EQ(test::run_loopline({"render", tum, "--out", folder / "top.png"}, no_driver).exit_code, 0);
+    const auto result =
+        test::run_loopline({"render", tum, "--view", "axonometric", "--out", folder / "p.png"}, no_driver);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("loopline: Spatial pictures can't be rendered on this machine"),
+              std::string::npos)
+        << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "p.png"));
+}

@@ -65,7 +65,7 @@ footer { margin-top: 36px; color: var(--quiet); font-size: .85rem; }
   .tiles { grid-template-columns: repeat(2, 1fr); } .tile { padding: 10px 12px; } .tile .value { font-size: 1.2rem; } th, td { padding: 6px 10px; } }
 @media print { :root { --page: #fff; --card: #fff; --ink: #000; --quiet: #444; --rule: #bbb; --soft: #eee; --estimate: #0072b2; --odometry: #c98a00; }
   body { font-size: 11pt; } main { max-width: none; padding: 0; } h2 { break-after: avoid; } .tile, table, .alert { break-inside: avoid; }
-  .pictures { grid-template-columns: 1fr 1fr; } }
+  .pictures, .plots { grid-template-columns: 1fr 1fr; } .plots.three { grid-template-columns: 1fr 1fr 1fr; } }
 )css";
 
 }  // namespace loopline
