@@ -23,7 +23,7 @@ struct ExtractionParameters {
     // What is a line.
     int min_beams = 6;
     double min_length_m = 0.4;
-    double max_bow = 0.005;  ///< sagitta over length
+    double max_bow = 0.01;  ///< sagitta over length
     double max_sigma_alpha_rad = 3 * M_PI / 180;
 
     // Which lines are one.
