@@ -101,9 +101,11 @@ mrpt::serialization::CSerializable::Ptr ArchiveReader::end_inside_object(const s
     }
     const std::string name = unknown_class_in(reason);
     if (!name.empty())
-        return end(LogEnd::unknown_class,
-                   "object " + std::to_string(objects_ + 1) + " of this rawlog is of class " + name +
-                       ", which no loaded plugin defines: add the plugin library that " + "does; " + kept());
+        return end(LogEnd::unknown_class, "object " + std::to_string(objects_ + 1) +
+                                              " of this rawlog is of class " + name +
+                                              ", which no loaded plugin defines: add the plugin library that "
+                                              "does, unless the log is damaged there; " +
+                                              kept());
     if (objects_ == 0)
         return end(LogEnd::junk, "this is not a rawlog (it doesn't begin with an MRPT object)");
     return end_damaged("its bytes make no object");

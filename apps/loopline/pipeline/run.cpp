@@ -53,8 +53,9 @@ int run_experiment(const RunSetup& setup, const Attempt& attempt) {
     RunRecord record;
     const std::uint64_t items = estimate_pass(setup, attempt, record);
     map_pass(setup, attempt, items, record);
-    write_outputs(setup, record, attempt.rules.state);
+    write_results(setup, record, attempt.rules.state);
     tell_problems(record);
+    draw_results(setup, record, attempt.rules.state);
     if (!setup.quiet) tell_result(record, setup.folder);
     std::fflush(stdout);
     return record.exit_code;

@@ -48,7 +48,7 @@ void draw(const RunSetup& setup, const RunRecord& record) {
 
 }  // namespace
 
-void write_outputs(const RunSetup& setup, RunRecord& record, WorkerState* state) {
+void write_results(const RunSetup& setup, RunRecord& record, WorkerState* state) {
     enter(state, WorkerState::Stage::writing);
     evaluate(setup, record);
     make_folder(setup.folder);
@@ -56,7 +56,11 @@ void write_outputs(const RunSetup& setup, RunRecord& record, WorkerState* state)
     write_run_directory(setup.folder, record, setup.experiment.outputs);
     if (std::filesystem::exists(setup.folder / "recorded.rawlog"))
         add_to_manifest(setup.folder, {"recorded.rawlog"});
-    // Pictures come last: whatever happens to them, the numbers are on disk already.
+    enter(state, WorkerState::Stage::idle);
+}
+
+void draw_results(const RunSetup& setup, RunRecord& record, WorkerState* state) {
+    if (!setup.experiment.outputs.snapshots && !setup.experiment.outputs.report) return;
     enter(state, WorkerState::Stage::drawing);
     draw(setup, record);
     set_cost(record, setup);
