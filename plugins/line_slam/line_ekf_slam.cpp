@@ -48,13 +48,20 @@ void LineEkfSlam::predict(const Pose2& T_previous_base) {
     history_.steps.back().travel = travel;
 }
 
-/// Could the observation be of this line, with `reach_m` of leeway?
-bool LineEkfSlam::may_see(int id, const LineObservation& z, double reach_m) const {
-    const Pose2& T = filter_.T_map_base();
-    const PlanarLine predicted = predicted_line(T, filter_.line(id));
-    return std::abs(wrap_to_pi(z.line.alpha_rad - predicted.alpha_rad)) < 0.5 &&
-           std::abs(predicted.signed_distance_m(z.middle_m())) < reach_m &&
-           overlap_m(T, filter_.line(id), records_[static_cast<std::size_t>(id)].extent, z) > -reach_m;
+/// Could one of the observations be of this line, with `reach_m` of leeway?
+bool LineEkfSlam::may_be_seen(int id, const std::vector<LineObservation>& observations, double reach_m) const {
+    const PlanarLine predicted = predicted_line(filter_.T_map_base(), filter_.line(id));
+    const Eigen::Vector2d n = predicted.normal(), t = predicted.tangent();
+    const double shift_m = filter_.line(id).along_m(filter_.T_map_base().translation());
+    const Extent& seen = records_[static_cast<std::size_t>(id)].extent;
+    for (const LineObservation& z : observations) {
+        const double a_m = t.dot(z.start_m) + shift_m, b_m = t.dot(z.end_m) + shift_m;
+        if (std::abs(n.dot(z.middle_m()) - predicted.rho_m) < reach_m &&
+            seen.overlap_m({std::min(a_m, b_m), std::max(a_m, b_m)}) > -reach_m &&
+            std::abs(wrap_to_pi(z.line.alpha_rad - predicted.alpha_rad)) < 0.5)
+            return true;
+    }
+    return false;
 }
 
 /// A passive line that an observation might see makes the filter choose its active set again: what may be
@@ -62,20 +69,18 @@ bool LineEkfSlam::may_see(int id, const LineObservation& z, double reach_m) cons
 void LineEkfSlam::activate_surroundings(const std::vector<LineObservation>& observations) {
     const double reach_m =
         1.0 + 3 * std::sqrt(std::max(0.0, filter_.pose_covariance().topLeftCorner<2, 2>().trace()));
-    const auto may_be_seen = [&](int id) {
-        return records_[static_cast<std::size_t>(id)].awake &&
-               std::any_of(observations.begin(), observations.end(),
-                           [&](const LineObservation& z) { return may_see(id, z, reach_m); });
+    const auto relevant = [&](int id) {
+        return records_[static_cast<std::size_t>(id)].awake && may_be_seen(id, observations, reach_m);
     };
     const auto& passive = filter_.passive_lines();
-    if (std::none_of(passive.begin(), passive.end(), may_be_seen) &&
+    if (std::none_of(passive.begin(), passive.end(), relevant) &&
         filter_.active_lines().size() < active_limit_)
         return;
     std::vector<int> wanted;
     for (int id = 0; id < filter_.line_ids(); ++id)
         if (filter_.exists(id) &&
             (path_m_ - records_[static_cast<std::size_t>(id)].last_seen_m < parameters_.active_m ||
-             may_be_seen(id)))
+             relevant(id)))
             wanted.push_back(id);
     filter_.activate(wanted);
     active_limit_ = wanted.size() + 20;

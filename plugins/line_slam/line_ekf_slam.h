@@ -49,7 +49,7 @@ class LineEkfSlam {
 
  private:
     void predict(const Pose2& T_previous_base);
-    bool may_see(int id, const LineObservation& z, double reach_m) const;
+    bool may_be_seen(int id, const std::vector<LineObservation>& observations, double reach_m) const;
     void activate_surroundings(const std::vector<LineObservation>& observations);
     void remember_seen(const std::vector<Pairing>& pairings,
                        const std::vector<LineObservation>& observations);

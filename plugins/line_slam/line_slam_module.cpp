@@ -92,10 +92,9 @@ void LineSlam::start(const RunContext&) {
     slam_parameters_.association.gate = gate;
     slam_parameters_.tentative.gate = gate;
     slam_parameters_.tentative.max_gap_m = slam_parameters_.association.max_gap_m;
-    smoother_parameters_.association_gate = gate;
-    smoother_parameters_.max_gap_m = slam_parameters_.association.max_gap_m;
+    smoother_parameters_.pairing.gate = gate;
+    smoother_parameters_.pairing.max_gap_m = slam_parameters_.association.max_gap_m;
     smoother_parameters_.min_observations = slam_parameters_.tentative.scans;
-    smoother_parameters_.sigma_wall_m = slam_parameters_.sigma_wall_m;
     slam_ = std::make_unique<LineEkfSlam>(slam_parameters_);
 }
 
@@ -160,7 +159,7 @@ void LineSlam::estimate(std::uint64_t sequence, const Scan& scan, Publisher& pub
     publisher.publish(published, sequence);
 }
 
-void LineSlam::revise_trajectory(const SmoothedMap& smoothed) {
+void LineSlam::revise_trajectory(const SmoothedPath& smoothed) {
     for (std::size_t k = 0; k < trajectory_.size(); ++k)
         trajectory_.revise(k, Pose3(smoothed.poses[k]), spatial_covariance(smoothed.covariances[k]));
     trajectory_.finish_revision();
@@ -185,11 +184,11 @@ void LineSlam::finish(Results& results) {
 
     LineMap map;
     if (smoothing_) {
-        const SmoothedMap smoothed = smooth(slam_->history(), smoother_parameters_);
+        const SmoothedPath smoothed = smooth(slam_->history(), smoother_parameters_);
         if (smoothed.good) {
             revise_trajectory(smoothed);
-            for (const SmoothedLine& l : smoothed.lines)
-                map.push_back(map_line(l.line, l.covariance, l.extent, l.observations, map.size()));
+            for (const SmoothedWall& w : smoothed.walls)
+                map.push_back(map_line(w.wall.line, w.covariance, w.wall.extent, w.wall.observations, map.size()));
             metrics["smoothing_iterations"] = static_cast<std::int64_t>(smoothed.iterations);
         }
     }

@@ -41,7 +41,7 @@ class LineSlam : public Module {
 
     void take_lines(const CObservationLines& observation, Scan& scan) const;
     void estimate(std::uint64_t sequence, const Scan& scan, Publisher& publisher);
-    void revise_trajectory(const line_slam::SmoothedMap& smoothed);
+    void revise_trajectory(const line_slam::SmoothedPath& smoothed);
 
     line_slam::LineSlamParameters slam_parameters_;
     line_slam::SmootherParameters smoother_parameters_;

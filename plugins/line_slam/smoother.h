@@ -3,39 +3,35 @@
 
 #include <vector>
 
-#include "line_slam/history.h"
+#include "line_slam/wall_map.h"
 
 namespace loopline::line_slam {
 
 struct SmootherParameters {
-    int rounds = 4;                  ///< of least squares and new pairing, at most
-    int max_iterations = 25;         ///< of least squares, each round
-    double robust_scale = 3;         ///< Cauchy loss on whitened residuals
-    double association_gate = 13.8;  ///< squared Mahalanobis distance of two degrees of freedom
-    double max_gap_m = 1.0;
-    int min_observations = 3;    ///< a line seen by fewer scans is left out
-    double merge_gate_m = 0.10;  ///< two lines closer than this over their common stretch are one
-    double sigma_wall_m = 0.01;
+    int rounds = 4;                ///< of least squares and new pairing, at most
+    int early_iterations = 6;      ///< of least squares in all rounds but the last
+    int last_iterations = 20;
+    double robust_scale = 3;       ///< Cauchy loss on whitened residuals
+    PairingParameters pairing;
+    int min_observations = 3;      ///< a wall seen by fewer scans is left out
+    double merge_distance_m = 0.10;  ///< two walls closer than this over the shorter one's length are one
 };
 
-struct SmoothedLine {
-    PlanarLine line;
-    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-    Extent extent;
-    int observations = 0;
-    int track = 0;
+struct SmoothedWall {
+    Wall wall;
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rho, alpha)
 };
 
-struct SmoothedMap {
+struct SmoothedPath {
+    bool good = false;  ///< false: least squares failed; the filter's path holds, the rest is empty
     std::vector<Pose2> poses;                  ///< one for each step of the history
     std::vector<Eigen::Matrix3d> covariances;  ///< of (x, y, phi)
-    std::vector<SmoothedLine> lines;
+    std::vector<SmoothedWall> walls;           ///< ordered by track
     WheelCalibration calibration;
-    bool good = false;  ///< false: least squares failed, the poses are the filter's
-    int rounds = 0, iterations = 0, merged = 0;
+    int rounds = 0, iterations = 0;
     double initial_cost = 0, final_cost = 0;
 };
 
-SmoothedMap smooth(const History& history, const SmootherParameters& parameters);
+SmoothedPath smooth(const History& history, const SmootherParameters& parameters);
 
 }  // namespace loopline::line_slam
