@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cassert>
+#include <cmath>
 
 namespace loopline::line_slam {
 namespace {
@@ -67,14 +68,27 @@ void Ekf::predict(const WheelTravel& travel) {
     Eigen::Matrix3d from_coordinates = Eigen::Matrix3d::Identity();
     from_coordinates.topRightCorner<2, 1>() = -turned_left(T_old_new.translation());
     const Eigen::Matrix3d to_error = adjoint(T_map_base_) * from_coordinates;
-    const Eigen::Matrix3d F_calibration = to_error * J.calibration;
+    const Eigen::Matrix3d Q = travel_covariance(travel, drive_);
+    // Only a turn that stands out of its noise tells of the track width; noise taken for a turn would teach a
+    // wrong one.
+    const double turn_m = travel.right_m - travel.left_m;
+    const double signal = std::pow(turn_m, 4), noise = std::pow(9 * (Q(0, 0) + Q(1, 1)), 2);
+    const Eigen::Vector3d credible(1, 1, signal / (signal + noise));
+    const Eigen::Matrix3d F_calibration = to_error * J.calibration * credible.asDiagonal();
     const Eigen::Matrix3d G = to_error * J.travel;
+    motion_error_noise_ = G * Q * G.transpose();
+    motion_error_covariance_ =
+        motion_error_noise_ + F_calibration * P_aa_.block<3, 3>(3, 3) * F_calibration.transpose();
 
     P_aa_.topRows<3>() += F_calibration * P_aa_.middleRows<3>(3);
     P_aa_.leftCols<3>() += P_aa_.middleCols<3>(3) * F_calibration.transpose();
-    P_aa_.topLeftCorner<3, 3>() += G * travel_covariance(travel, drive_) * G.transpose();
+    P_aa_.topLeftCorner<3, 3>() += motion_error_noise_;
     phi_.topRows<3>() += F_calibration * phi_.middleRows<3>(3);
     T_map_base_ = T_map_base_ * T_old_new;
+}
+
+void Ekf::doubt_motion(double factor) {
+    P_aa_.topLeftCorner<3, 3>() += factor * motion_error_noise_;
 }
 
 bool Ekf::update(const std::vector<Pairing>& pairings, const std::vector<LineObservation>& observations) {

@@ -53,6 +53,11 @@ class Ekf {
     /// Eq. (3)-(6).
     void predict(const WheelTravel& travel);
 
+    /// What the last motion added to the pose's error: noise and calibration.
+    const Eigen::Matrix3d& motion_error_covariance() const { return motion_error_covariance_; }
+    /// Adds `factor` times the last motion's noise once more; negative takes it back, before any update.
+    void doubt_motion(double factor);
+
     /// Joint update by all pairings at once, of active lines. False if the innovation's covariance is not
     /// positive definite or the result is not finite: the state is then as it was.
     bool update(const std::vector<Pairing>& pairings, const std::vector<LineObservation>& observations);
@@ -92,6 +97,8 @@ class Ekf {
     std::vector<Slot> slots_;        ///< by id
     std::vector<int> active_, passive_;
 
+    Eigen::Matrix3d motion_error_noise_ = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d motion_error_covariance_ = Eigen::Matrix3d::Zero();
     Eigen::MatrixXd P_aa_;  ///< head and active lines, now
     Eigen::MatrixXd P_ab_;  ///< of them with passive lines, when the active set was chosen: rows as then
     Eigen::MatrixXd P_bb_;  ///< passive lines, then

@@ -13,13 +13,15 @@ LineEkfSlam::LineEkfSlam(const LineSlamParameters& parameters)
 SlamStatus LineEkfSlam::step(const Pose2& T_previous_base, std::vector<LineObservation> observations) {
     predict(T_previous_base);
     activate_surroundings(observations);
-    const Association association = associate(filter_, records_, observations, parameters_.association);
+    const Association association = associate_or_doubt_wheels(observations);
     if (!association.pairings.empty()) {
         if (!filter_.update(association.pairings, observations)) return SlamStatus::diverged;
         ++counts_.updates;
     }
     counts_.associations += static_cast<std::int64_t>(association.pairings.size());
     counts_.rejected += association.refused;
+    // Two walls or more tell the motion better than the wheels do.
+    if (association.pairings.size() < 2) tentative_.move(filter_.motion_error_covariance());
     remember_seen(association.pairings, observations);
 
     std::vector<int> tracks(observations.size(), no_track);
@@ -48,8 +50,30 @@ void LineEkfSlam::predict(const Pose2& T_previous_base) {
     history_.steps.back().travel = travel;
 }
 
+/// If nothing is where the wheels say, but several walls are where one slip of the wheels puts them, the
+/// wheels slipped.
+Association LineEkfSlam::associate_or_doubt_wheels(const std::vector<LineObservation>& observations) {
+    Association association = associate(filter_, records_, observations, parameters_.association);
+    const std::size_t before = last_pairings_;
+    last_pairings_ = association.pairings.size();
+    if (!association.pairings.empty() || before < 2 || observations.size() < 2) return association;
+    const double doubt = parameters_.slip_factor * parameters_.slip_factor - 1;
+    filter_.doubt_motion(doubt);
+    Association with_slip = associate(filter_, records_, observations, parameters_.association);
+    for (const Pairing& a : with_slip.pairings)
+        for (const Pairing& b : with_slip.pairings)
+            if (std::abs(std::sin(filter_.line(a.line).alpha_rad - filter_.line(b.line).alpha_rad)) > 0.5) {
+                last_pairings_ = with_slip.pairings.size();
+                ++counts_.slips;
+                return with_slip;
+            }
+    filter_.doubt_motion(-doubt);
+    return association;
+}
+
 /// Could one of the observations be of this line, with `reach_m` of leeway?
-bool LineEkfSlam::may_be_seen(int id, const std::vector<LineObservation>& observations, double reach_m) const {
+bool LineEkfSlam::may_be_seen(int id, const std::vector<LineObservation>& observations,
+                              double reach_m) const {
     const PlanarLine predicted = predicted_line(filter_.T_map_base(), filter_.line(id));
     const Eigen::Vector2d n = predicted.normal(), t = predicted.tangent();
     const double shift_m = filter_.line(id).along_m(filter_.T_map_base().translation());

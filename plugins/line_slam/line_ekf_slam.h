@@ -23,13 +23,14 @@ struct LineSlamParameters {
     double drift_rad_per_m = 0.002;
     double recent_m = 8;               ///< of the path, whose lines are matched with old ones
     double wake_m = 5;                 ///< of the path around an old place that is seen again
+    double slip_factor = 10;           ///< by which the noise of slipping wheels exceeds the model's
     double recognition_every_m = 0.5;  ///< of the path
     double active_m = 3;               ///< of the path, whose lines stay active
 };
 
 struct LineSlamCounts {
     std::int64_t updates = 0, predictions = 0, associations = 0, rejected = 0, merged = 0, recognised = 0,
-                 dropped = 0;
+                 slips = 0, dropped = 0;
 };
 
 enum class SlamStatus { good, diverged };
@@ -49,6 +50,7 @@ class LineEkfSlam {
 
  private:
     void predict(const Pose2& T_previous_base);
+    Association associate_or_doubt_wheels(const std::vector<LineObservation>& observations);
     bool may_be_seen(int id, const std::vector<LineObservation>& observations, double reach_m) const;
     void activate_surroundings(const std::vector<LineObservation>& observations);
     void remember_seen(const std::vector<Pairing>& pairings,
@@ -69,6 +71,7 @@ class LineEkfSlam {
     LineSlamCounts counts_;
     double path_m_ = 0;
     double recognised_at_m_ = 0, woken_at_m_ = 0;  ///< path at the last attempt
+    std::size_t last_pairings_ = 0;
     int scan_ = 0;
     std::size_t active_limit_ = 20;  ///< of lines, before the surroundings are chosen anew
 };

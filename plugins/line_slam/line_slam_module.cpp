@@ -188,7 +188,8 @@ void LineSlam::finish(Results& results) {
         if (smoothed.good) {
             revise_trajectory(smoothed);
             for (const SmoothedWall& w : smoothed.walls)
-                map.push_back(map_line(w.wall.line, w.covariance, w.wall.extent, w.wall.observations, map.size()));
+                map.push_back(
+                    map_line(w.wall.line, w.covariance, w.wall.extent, w.wall.observations, map.size()));
             metrics["smoothing_iterations"] = static_cast<std::int64_t>(smoothed.iterations);
         }
     }

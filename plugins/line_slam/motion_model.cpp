@@ -39,6 +39,24 @@ MotionJacobians motion_jacobians(const WheelTravel& travel, double track_width_m
     return J;
 }
 
+ExpectedTravel expected_travel(const Pose2& T_old_new, double track_width_m,
+                               const WheelCalibration& calibration) {
+    const double phi = T_old_new.phi_rad, c = std::cos(0.5 * phi), s = std::sin(0.5 * phi);
+    const double ahead_m = c * T_old_new.x_m + s * T_old_new.y_m,
+                 side_m = -s * T_old_new.x_m + c * T_old_new.y_m;
+    const double half_track_m = 0.5 * (1 + calibration.track) * track_width_m;
+    const double left = 1 + calibration.left, right = 1 + calibration.right;
+    ExpectedTravel e;
+    e.travel = {(ahead_m - phi * half_track_m) / left, (ahead_m + phi * half_track_m) / right, side_m};
+    e.motion << c / left, s / left, (0.5 * side_m - half_track_m) / left,  //
+        c / right, s / right, (0.5 * side_m + half_track_m) / right,       //
+        -s, c, -0.5 * ahead_m;
+    e.calibration << -e.travel.left_m / left, 0, -0.5 * phi * track_width_m / left,  //
+        0, -e.travel.right_m / right, 0.5 * phi * track_width_m / right,             //
+        0, 0, 0;
+    return e;
+}
+
 Eigen::Matrix3d travel_covariance(const WheelTravel& travel, const DriveParameters& drive) {
     const auto variance = [&](double sigma_at_1m, double way_m) {
         return sigma_at_1m * sigma_at_1m * std::abs(way_m) + drive.sigma_rest_m * drive.sigma_rest_m;

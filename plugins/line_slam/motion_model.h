@@ -47,6 +47,17 @@ struct MotionJacobians {
 MotionJacobians motion_jacobians(const WheelTravel& travel, double track_width_m,
                                  const WheelCalibration& calibration = {});
 
+/// What the wheels ought to say about a motion, as the inverse of `moved`, with Jacobians. An estimator that
+/// knows the motion from elsewhere must compare here, in the space of the measurement: noise in the measured
+/// turn would otherwise pass for a turn, and for a wrong track width.
+struct ExpectedTravel {
+    WheelTravel travel;
+    Eigen::Matrix3d motion;       ///< of (left, right, side) to (x, y, phi) of the motion
+    Eigen::Matrix3d calibration;  ///< to (left, right, track)
+};
+ExpectedTravel expected_travel(const Pose2& T_old_new, double track_width_m,
+                               const WheelCalibration& calibration);
+
 /// Q of eq. (5): covariance of (left, right, side).
 Eigen::Matrix3d travel_covariance(const WheelTravel& travel, const DriveParameters& drive);
 

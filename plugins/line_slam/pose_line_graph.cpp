@@ -18,18 +18,22 @@ struct MotionTerm {
     Eigen::Matrix3d to_calibration;
 };
 
+/// What the wheels ought to have said minus what they said.
 MotionTerm motion_term(const PoseLineGraph& graph, std::size_t k) {
     const Pose2 &previous = graph.poses[k - 1], &pose = graph.poses[k];
-    const Pose2 measured = moved(graph.motions[k].travel, graph.track_width_m, graph.calibration);
     const double c = std::cos(previous.phi_rad), s = std::sin(previous.phi_rad);
     const Pose2 between = previous.inverse() * pose;
+    Eigen::Matrix3d between_to_pose, between_to_previous;
+    between_to_pose << c, s, 0, -s, c, 0, 0, 0, 1;
+    between_to_previous << -c, -s, between.y_m, s, -c, -between.x_m, 0, 0, -1;
+    const ExpectedTravel expected = expected_travel(between, graph.track_width_m, graph.calibration);
+    const WheelTravel& measured = graph.motions[k].travel;
     MotionTerm t;
-    t.residual << between.x_m - measured.x_m, between.y_m - measured.y_m,
-        wrap_to_pi(between.phi_rad - measured.phi_rad);
-    t.to_pose << c, s, 0, -s, c, 0, 0, 0, 1;
-    t.to_previous << -c, -s, between.y_m, s, -c, -between.x_m, 0, 0, -1;
-    t.to_calibration =
-        -motion_jacobians(graph.motions[k].travel, graph.track_width_m, graph.calibration).calibration;
+    t.residual << expected.travel.left_m - measured.left_m, expected.travel.right_m - measured.right_m,
+        expected.travel.side_m - measured.side_m;
+    t.to_pose = expected.motion * between_to_pose;
+    t.to_previous = expected.motion * between_to_previous;
+    t.to_calibration = expected.calibration;
     return t;
 }
 
@@ -131,6 +135,9 @@ void GraphSolver::linearise(const PoseLineGraph& graph) {
     };
     const double prior = 1 / (graph.sigma_scale * graph.sigma_scale);
     add_diagonal(calibration_row(), Eigen::Matrix3d(prior * Eigen::Matrix3d::Identity()));
+    // A line that nothing ties stays where it is instead of making the equations singular.
+    for (int l = 0; l < line_count_; ++l)
+        add_diagonal(line_row(l), Eigen::Matrix2d(1e-9 * Eigen::Matrix2d::Identity()));
     gradient_.tail<3>() += prior * as_vector(graph.calibration);
     for (int k = 1; k < pose_count_; ++k) {
         const auto i = static_cast<std::size_t>(k);

@@ -13,7 +13,7 @@ namespace loopline::line_slam {
 
 struct GraphMotion {
     WheelTravel travel;           ///< measured
-    Eigen::Matrix3d information;  ///< of the motion's (x, y, phi)
+    Eigen::Matrix3d information;  ///< of it
 };
 
 struct GraphObservation {

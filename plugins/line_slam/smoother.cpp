@@ -23,10 +23,7 @@ PoseLineGraph graph_of(const History& history, const SmoothedPath& path, const P
     }
     for (std::size_t k = 0; k < history.steps.size(); ++k) {
         const HistoryStep& step = history.steps[k];
-        const Eigen::Matrix3d G =
-            motion_jacobians(step.travel, history.drive.track_width_m, path.calibration).travel;
-        const Eigen::Matrix3d Q = G * travel_covariance(step.travel, history.drive) * G.transpose();
-        graph.motions.push_back({step.travel, Q.inverse()});
+        graph.motions.push_back({step.travel, travel_covariance(step.travel, history.drive).inverse()});
         const auto first = static_cast<std::ptrdiff_t>(graph.observations.size());
         for (std::size_t i = 0; i < step.observations.size(); ++i) {
             const int track = pairings[k][i];
@@ -54,7 +51,8 @@ SmoothedPath smooth(const History& history, const SmootherParameters& parameters
     bool last = false;
     while (!last) {
         ++path.rounds;
-        std::vector<Wall> walls = walls_of(history, path.poses, pairings, line_of_track, parameters.min_observations);
+        std::vector<Wall> walls =
+            walls_of(history, path.poses, pairings, line_of_track, parameters.min_observations);
         PoseLineGraph graph = graph_of(history, path, pairings, walls, parameters.robust_scale);
         GraphSolver solver(graph);
         last = path.rounds >= parameters.rounds;
@@ -71,7 +69,8 @@ SmoothedPath smooth(const History& history, const SmootherParameters& parameters
         };
         if (!last) {
             minimise(parameters.early_iterations);
-            const std::vector<int> merged = merged_tracks(walls, history.track_count, parameters.merge_distance_m);
+            const std::vector<int> merged =
+                merged_tracks(walls, history.track_count, parameters.merge_distance_m);
             last = !pair_again(history, path.poses, walls, merged, parameters.pairing, pairings);
             if (!last) continue;
         }

@@ -8,12 +8,12 @@
 namespace loopline::line_slam {
 
 struct SmootherParameters {
-    int rounds = 4;                ///< of least squares and new pairing, at most
-    int early_iterations = 6;      ///< of least squares in all rounds but the last
+    int rounds = 3;            ///< of least squares and new pairing, at most
+    int early_iterations = 4;  ///< of least squares in all rounds but the last
     int last_iterations = 20;
-    double robust_scale = 3;       ///< Cauchy loss on whitened residuals
+    double robust_scale = 3;  ///< Cauchy loss on whitened residuals
     PairingParameters pairing;
-    int min_observations = 3;      ///< a wall seen by fewer scans is left out
+    int min_observations = 3;        ///< a wall seen by fewer scans is left out
     double merge_distance_m = 0.10;  ///< two walls closer than this over the shorter one's length are one
 };
 
@@ -23,8 +23,8 @@ struct SmoothedWall {
 };
 
 struct SmoothedPath {
-    bool good = false;  ///< false: least squares failed; the filter's path holds, the rest is empty
-    std::vector<Pose2> poses;                  ///< one for each step of the history
+    bool good = false;         ///< false: least squares failed; the filter's path holds, the rest is empty
+    std::vector<Pose2> poses;  ///< one for each step of the history
     std::vector<Eigen::Matrix3d> covariances;  ///< of (x, y, phi)
     std::vector<SmoothedWall> walls;           ///< ordered by track
     WheelCalibration calibration;

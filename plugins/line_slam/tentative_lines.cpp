@@ -20,15 +20,20 @@ LineObservation in_map(const Pose2& T_map_base, const LineObservation& z) {
 
 }  // namespace
 
+void TentativeLines::move(const Eigen::Matrix3d& motion_error_covariance) {
+    for (TentativeLine& t : lines_) t.drift += motion_error_covariance;
+}
+
 TentativeLine& TentativeLines::add(const Pose2& T_map_base, const LineObservation& observation, int scan,
                                    int& next_track) {
     const LineObservation z = in_map(T_map_base, observation);
     TentativeLine* best = nullptr;
     double least = parameters_.gate;
     for (TentativeLine& t : lines_) {
-        // Both as seen from here, where the covariances are about the wall and not about a far origin.
         const Eigen::Vector2d v = innovation(z.line, t.latest.line);
-        const Eigen::Matrix2d S = z.covariance + t.latest.covariance;
+        const Matrix23 from_drift = augmentation_jacobians(T_map_base, z.line).pose;
+        const Eigen::Matrix2d S =
+            z.covariance + t.latest.covariance + from_drift * t.drift * from_drift.transpose();
         const double distance2 = v.dot(S.llt().solve(v));
         if (distance2 >= least) continue;
         if (t.extent.overlap_m(Extent::of(t.latest.line, z.start_m, z.end_m)) < -parameters_.max_gap_m)
@@ -37,12 +42,14 @@ TentativeLine& TentativeLines::add(const Pose2& T_map_base, const LineObservatio
         best = &t;
     }
     if (!best) {
-        lines_.push_back({z, Extent::of(z.line, z.start_m, z.end_m), next_track++, 0, scan - 1});
+        lines_.push_back(
+            {z, Extent::of(z.line, z.start_m, z.end_m), Eigen::Matrix3d::Zero(), next_track++, 0, scan - 1});
         best = &lines_.back();
     }
     const Extent seen = Extent::of(z.line, z.start_m, z.end_m);
     best->extent.extend(seen);
     best->latest = z;
+    best->drift.setZero();
     if (best->last_scan != scan) ++best->scans;
     best->last_scan = scan;
     return *best;

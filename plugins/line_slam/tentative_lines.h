@@ -18,6 +18,7 @@ struct TentativeParameters {
 struct TentativeLine {
     LineObservation latest;  ///< in the map frame, by the pose of its scan
     Extent extent;
+    Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();  ///< of the pose's error (t_x, t_y, theta) since then
     int track = -1;
     int scans = 0;
     int last_scan = 0;
@@ -26,6 +27,10 @@ struct TentativeLine {
 class TentativeLines {
  public:
     explicit TentativeLines(const TentativeParameters& parameters) : parameters_(parameters) {}
+
+    /// The vehicle moved on: its pose is less certain, relative to what was seen before, by
+    /// `motion_error_covariance`.
+    void move(const Eigen::Matrix3d& motion_error_covariance);
 
     /// Adds an observation that no map line explains. Returns the tentative line that it belongs to; a new
     /// one takes `next_track` and counts it up.

@@ -13,7 +13,9 @@ namespace {
 constexpr double same_direction_rad = 0.15;
 constexpr double coarse_angle_rad = 0.3, coarse_distance_m = 1.0;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) {
+    return static_cast<std::size_t>(i);
+}
 
 }  // namespace
 
@@ -24,7 +26,8 @@ Pairings filter_pairings(const History& history) {
         while (parent[index(t)] != t) t = parent[index(t)];
         return t;
     };
-    for (const auto& [a, b] : history.same_wall) parent[index(std::max(root(a), root(b)))] = std::min(root(a), root(b));
+    for (const auto& [a, b] : history.same_wall)
+        parent[index(std::max(root(a), root(b)))] = std::min(root(a), root(b));
     Pairings pairings;
     for (const HistoryStep& step : history.steps) {
         pairings.push_back(step.tracks);
@@ -34,7 +37,8 @@ Pairings filter_pairings(const History& history) {
     return pairings;
 }
 
-std::vector<PlanarLine> latest_lines(const History& history, const std::vector<Pose2>& poses, const Pairings& pairings) {
+std::vector<PlanarLine> latest_lines(const History& history, const std::vector<Pose2>& poses,
+                                     const Pairings& pairings) {
     std::vector<PlanarLine> lines(index(history.track_count));
     for (std::size_t k = 0; k < poses.size(); ++k)
         for (std::size_t i = 0; i < pairings[k].size(); ++i)
@@ -77,7 +81,8 @@ std::vector<int> merged_tracks(const std::vector<Wall>& walls, int track_count, 
                      [](const Wall* a, const Wall* b) { return a->observations > b->observations; });
     for (std::size_t b = 1; b < order.size(); ++b) {
         const Wall& small = *order[b];
-        const Eigen::Vector2d from = small.line.point_m(small.extent.from_m), to = small.line.point_m(small.extent.to_m);
+        const Eigen::Vector2d from = small.line.point_m(small.extent.from_m),
+                              to = small.line.point_m(small.extent.to_m);
         for (std::size_t a = 0; a < b; ++a) {
             const Wall& big = *order[a];
             if (merged[index(big.track)] != big.track ||
@@ -117,7 +122,8 @@ bool pair_again(const History& history, const std::vector<Pose2>& poses, const s
                     std::abs(s.normal.dot(end_m) - rho_m) > coarse_distance_m)
                     continue;
                 const double a_m = s.tangent.dot(start_m), b_m = s.tangent.dot(end_m);
-                if (s.wall->extent.overlap_m({std::min(a_m, b_m), std::max(a_m, b_m)}) < -parameters.max_gap_m)
+                if (s.wall->extent.overlap_m({std::min(a_m, b_m), std::max(a_m, b_m)}) <
+                    -parameters.max_gap_m)
                     continue;
                 const Eigen::Vector2d v = innovation(z.line, predicted_line(poses[k], s.wall->line));
                 if (std::abs(v.y()) > coarse_angle_rad) continue;

@@ -1,5 +1,5 @@
-/// The walls that a history's pairings amount to, and how these pairings get better once the path is better: what lies on
-/// one wall is one wall, and every observation is looked up again.
+/// The walls that a history's pairings amount to, and how these pairings get better once the path is better:
+/// what lies on one wall is one wall, and every observation is looked up again.
 #pragma once
 
 #include <vector>
@@ -22,14 +22,15 @@ struct Wall {
 Pairings filter_pairings(const History& history);
 
 /// A value for each track: its latest observation as seen from `poses`.
-std::vector<PlanarLine> latest_lines(const History& history, const std::vector<Pose2>& poses, const Pairings& pairings);
+std::vector<PlanarLine> latest_lines(const History& history, const std::vector<Pose2>& poses,
+                                     const Pairings& pairings);
 
 /// Walls with at least `min_observations`, ordered by track; extents by `poses`.
 std::vector<Wall> walls_of(const History& history, const std::vector<Pose2>& poses, const Pairings& pairings,
                            const std::vector<PlanarLine>& line_of_track, int min_observations);
 
-/// Which walls are one: those that overlap and lie within `distance_m` of one another over the shorter one's length.
-/// Returns the track to use for every track; the wall with more observations keeps its own.
+/// Which walls are one: those that overlap and lie within `distance_m` of one another over the shorter one's
+/// length. Returns the track to use for every track; the wall with more observations keeps its own.
 std::vector<int> merged_tracks(const std::vector<Wall>& walls, int track_count, double distance_m);
 
 struct PairingParameters {
@@ -37,8 +38,8 @@ struct PairingParameters {
     double max_gap_m = 1.0;  ///< between the seen part of a wall and the observation
 };
 
-/// Every observation's nearest wall within the gate. One that finds none keeps the wall that it had: the robust loss
-/// decides what it is worth. Returns whether any pairing changed.
+/// Every observation's nearest wall within the gate. One that finds none keeps the wall that it had: the
+/// robust loss decides what it is worth. Returns whether any pairing changed.
 bool pair_again(const History& history, const std::vector<Pose2>& poses, const std::vector<Wall>& walls,
                 const std::vector<int>& merged, const PairingParameters& parameters, Pairings& pairings);
 

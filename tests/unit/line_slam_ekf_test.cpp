@@ -1,0 +1,144 @@
+/// The filter's algebra: against the textbook's full matrices, and against itself with everything active.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+
+#include "line_slam/ekf.h"
+#include "support/line_slam_world.h"
+
+using namespace loopline;
+using namespace loopline::line_slam;
+
+namespace {
+
+struct Drive {
+    std::mt19937_64 random{3};
+    DriveParameters drive;
+    std::vector<test::WorldWall> walls = test::square_ring(20, 10);
+    Pose2 T_world_base{-7.5, -7.5, 0};
+
+    /// Goes on along a wobbling course and returns what the wheels say.
+    WheelTravel go() {
+        std::uniform_real_distribution<double> turn(-0.1, 0.15);
+        const WheelTravel truth = wheel_travel({0.2, 0, turn(random)}, drive.track_width_m);
+        T_world_base = T_world_base * moved(truth, drive.track_width_m);
+        return test::measured(truth, drive, {}, random);
+    }
+    LineObservation see(std::size_t wall) {
+        LineObservation z;
+        z.line = predicted_line(T_world_base, walls[wall].line());
+        z.start_m = T_world_base.inverse() * walls[wall].from_m;
+        z.end_m = T_world_base.inverse() * walls[wall].to_m;
+        test::disturb(z, 0.02, random);
+        return z;
+    }
+};
+
+TEST(LineSlamEkf, update_is_the_textbooks_joint_update) {
+    Drive d;
+    Ekf filter(d.drive);
+    filter.predict(d.go());
+    std::vector<LineObservation> z{d.see(0), d.see(1), d.see(4)};
+    for (const auto& o : z) filter.augment(o);
+    filter.predict(d.go());
+    z = {d.see(0), d.see(1), d.see(4)};
+
+    // P, H, R as they stand in the paper's eq. (14)-(16), corrected for a joint update.
+    Eigen::MatrixXd S(6, 6);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) S.block<2, 2>(2 * i, 2 * j) = filter.predicted_covariance(i, j);
+    EXPECT_LT((S - S.transpose()).norm(), 1e-12);
+    const Eigen::MatrixXd prior = S;
+    Eigen::VectorXd v(6);
+    for (int i = 0; i < 3; ++i) {
+        S.block<2, 2>(2 * i, 2 * i) += z[static_cast<std::size_t>(i)].covariance;
+        v.segment<2>(2 * i) = innovation(z[static_cast<std::size_t>(i)].line,
+                                         predicted_line(filter.T_map_base(), filter.line(i)));
+    }
+    // In the space of the observations: posterior = prior - prior S^-1 prior, and the residual shrinks
+    // accordingly.
+    const Eigen::MatrixXd posterior = prior - prior * S.inverse() * prior;
+    const Eigen::VectorXd shift = prior * S.inverse() * v;
+    const auto before = [&](int i) { return predicted_line(filter.T_map_base(), filter.line(i)); };
+    const std::vector<PlanarLine> old{before(0), before(1), before(2)};
+    ASSERT_TRUE(filter.update({{0, 0}, {1, 1}, {2, 2}}, z));
+    for (int i = 0; i < 3; ++i) {
+        const Eigen::Vector2d moved_by = innovation(before(i), old[static_cast<std::size_t>(i)]);
+        EXPECT_LT((moved_by - shift.segment<2>(2 * i)).norm(), 2e-3) << "first order";
+        for (int j = 0; j < 3; ++j)
+            EXPECT_LT((filter.predicted_covariance(i, j) - posterior.block<2, 2>(2 * i, 2 * j)).norm(), 2e-6);
+    }
+    EXPECT_TRUE(filter.is_sound());
+}
+
+TEST(LineSlamEkf, compressed_filter_equals_the_full_one) {
+    Drive d;
+    Ekf full(d.drive), compressed(d.drive);
+    std::vector<int> all;
+    for (int step = 0; step < 120; ++step) {
+        const WheelTravel travel = d.go();
+        full.predict(travel);
+        compressed.predict(travel);
+        // A few lines at a time: lines 0..k are known.
+        const std::size_t wall = static_cast<std::size_t>(step / 15) % d.walls.size();
+        const std::vector<LineObservation> z{d.see(wall), d.see((wall + 3) % d.walls.size())};
+        if (step % 15 == 0 && all.size() < d.walls.size()) {
+            all.push_back(full.augment(z[0]));
+            ASSERT_EQ(compressed.augment(z[0]), all.back());
+            continue;
+        }
+        const int id = static_cast<int>(wall);
+        if (!compressed.is_active(id) || step % 15 == 7) compressed.activate({id});
+        ASSERT_TRUE(full.update({{id, 0}}, z));
+        ASSERT_TRUE(compressed.update({{id, 0}}, z));
+    }
+    std::vector<int> backwards(all.rbegin(), all.rend());
+    compressed.activate(backwards);
+    full.activate(all);
+    EXPECT_LT((full.pose_covariance() - compressed.pose_covariance()).norm(),
+              1e-10 * full.pose_covariance().norm() + 1e-14);
+    EXPECT_LT((full.T_map_base().translation() - compressed.T_map_base().translation()).norm(), 1e-9);
+    for (const int i : all) {
+        EXPECT_LT(innovation(full.line(i), compressed.line(i)).norm(),
+                  1e-3 * std::sqrt(full.line_covariance(i).trace()))
+            << "line " << i;
+        for (const int j : all)
+            EXPECT_LT((full.predicted_covariance(i, j) - compressed.predicted_covariance(i, j)).norm(),
+                      1e-3 * full.predicted_covariance(i, i).norm());
+    }
+}
+
+TEST(LineSlamEkf, an_update_with_nonsense_is_refused_and_changes_nothing) {
+    Drive d;
+    Ekf filter(d.drive);
+    filter.predict(d.go());
+    std::vector<LineObservation> z{d.see(0)};
+    filter.augment(z[0]);
+    const Eigen::Matrix3d before = filter.pose_covariance();
+    z[0].line.rho_m = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(filter.update({{0, 0}}, z));
+    EXPECT_EQ(before, filter.pose_covariance());
+    EXPECT_TRUE(filter.is_sound());
+}
+
+TEST(LineSlamEkf, merging_two_lines_of_one_wall_leaves_one_better_line) {
+    Drive d;
+    Ekf filter(d.drive);
+    filter.predict(d.go());
+    filter.augment(d.see(0));
+    for (int i = 0; i < 10; ++i) filter.predict(d.go());
+    filter.augment(d.see(0));
+    filter.augment(d.see(1));
+    const double before = filter.line_covariance(0)(0, 0), heading = filter.pose_covariance()(2, 2);
+    ASSERT_TRUE(filter.merge(0, 1, 1e-6 * Eigen::Matrix2d::Identity()));
+    EXPECT_FALSE(filter.exists(1));
+    EXPECT_TRUE(filter.exists(2));
+    EXPECT_LE(filter.line_covariance(0)(0, 0), before);
+    EXPECT_LT(filter.pose_covariance()(2, 2), heading) << "the loop tells the heading";
+    EXPECT_TRUE(filter.is_sound());
+    filter.remove(2);
+    EXPECT_EQ(filter.active_lines(), std::vector<int>{0});
+}
+
+}  // namespace

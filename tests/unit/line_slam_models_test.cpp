@@ -1,0 +1,197 @@
+/// Motion model and line observation: every Jacobian against central differences, and the cases that go wrong
+/// elsewhere.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <random>
+
+#include "line_slam/line_input.h"
+#include "line_slam/line_observation.h"
+#include "line_slam/motion_model.h"
+
+using namespace loopline;
+using namespace loopline::line_slam;
+
+namespace {
+
+constexpr double h = 1e-6;
+
+Eigen::Vector3d coordinates(const Pose2& p) {
+    return {p.x_m, p.y_m, p.phi_rad};
+}
+
+struct LineSlamModels : ::testing::Test {
+    std::mt19937_64 random{7};
+    double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); }
+    Pose2 pose() { return {uniform(-30, 30), uniform(-30, 30), uniform(-M_PI, M_PI)}; }
+    PlanarLine line() { return {uniform(-30, 30), uniform(-M_PI, M_PI)}; }
+};
+
+TEST_F(LineSlamModels, wheel_travel_and_moved_are_inverse) {
+    for (int i = 0; i < 200; ++i) {
+        const Pose2 T{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+        const Pose2 again = moved(wheel_travel(T, 0.4), 0.4);
+        EXPECT_LT((coordinates(T) - coordinates(again)).norm(), 1e-12);
+    }
+}
+
+TEST_F(LineSlamModels, motion_is_the_papers_mid_point_heading) {
+    // Eq. (3) in MRPT's axes: v_l, v_r times the interval are the ways of the wheels.
+    const double left_m = 0.0634, right_m = 0.0106, l = 0.42;
+    const Pose2 T = moved({left_m, right_m, 0}, l);
+    const double turn = (right_m - left_m) / l;
+    EXPECT_DOUBLE_EQ(T.phi_rad, turn);
+    EXPECT_NEAR(T.x_m, 0.5 * (left_m + right_m) * std::cos(0.5 * turn), 1e-15);
+    EXPECT_NEAR(T.y_m, 0.5 * (left_m + right_m) * std::sin(0.5 * turn), 1e-15);
+}
+
+TEST_F(LineSlamModels, motion_jacobians_agree_with_central_differences) {
+    for (int i = 0; i < 100; ++i) {
+        const WheelTravel t{uniform(-1, 1), uniform(-1, 1), uniform(-0.1, 0.1)};
+        const WheelCalibration c{uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(-0.1, 0.1)};
+        const MotionJacobians J = motion_jacobians(t, 0.5, c);
+        for (int k = 0; k < 3; ++k) {
+            Eigen::Vector3d d = Eigen::Vector3d::Zero();
+            d(k) = h;
+            const auto at = [&](double s) {
+                return coordinates(
+                    moved({t.left_m + s * d(0), t.right_m + s * d(1), t.side_m + s * d(2)}, 0.5, c));
+            };
+            const auto with = [&](double s) {
+                return coordinates(
+                    moved(t, 0.5, {c.left + s * d(0), c.right + s * d(1), c.track + s * d(2)}));
+            };
+            EXPECT_LT((J.travel.col(k) - (at(1) - at(-1)) / (2 * h)).norm(), 1e-8);
+            EXPECT_LT((J.calibration.col(k) - (with(1) - with(-1)) / (2 * h)).norm(), 1e-8);
+        }
+    }
+}
+
+TEST_F(LineSlamModels,
+       expected_travel_is_the_inverse_motion_and_its_jacobians_agree_with_central_differences) {
+    for (int i = 0; i < 100; ++i) {
+        const Pose2 T{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+        const WheelCalibration c{uniform(-0.1, 0.1), uniform(-0.1, 0.1), uniform(-0.1, 0.1)};
+        const auto travel = [](const Pose2& m, const WheelCalibration& k) {
+            const WheelTravel t = expected_travel(m, 0.5, k).travel;
+            return Eigen::Vector3d(t.left_m, t.right_m, t.side_m);
+        };
+        const ExpectedTravel e = expected_travel(T, 0.5, c);
+        EXPECT_LT((coordinates(moved(e.travel, 0.5, c)) - coordinates(T)).norm(), 1e-12);
+        for (int k = 0; k < 3; ++k) {
+            Eigen::Vector3d d = Eigen::Vector3d::Zero();
+            d(k) = h;
+            const auto at = [&](double s) {
+                return travel({T.x_m + s * d(0), T.y_m + s * d(1), T.phi_rad + s * d(2)}, c);
+            };
+            const auto with = [&](double s) {
+                return travel(T, {c.left + s * d(0), c.right + s * d(1), c.track + s * d(2)});
+            };
+            EXPECT_LT((e.motion.col(k) - (at(1) - at(-1)) / (2 * h)).norm(), 1e-8);
+            EXPECT_LT((e.calibration.col(k) - (with(1) - with(-1)) / (2 * h)).norm(), 1e-8);
+        }
+    }
+}
+
+TEST_F(LineSlamModels, observation_jacobians_agree_with_central_differences) {
+    for (int i = 0; i < 100; ++i) {
+        const Pose2 T = pose();
+        const PlanarLine l = line();
+        const ObservationJacobians H = observation_jacobians(T, l);
+        for (int k = 0; k < 5; ++k) {
+            const auto at = [&](double s) {
+                Eigen::Matrix<double, 5, 1> d = Eigen::Matrix<double, 5, 1>::Zero();
+                d(k) = s;
+                return predicted_line(corrected(T, d.head<3>()), {l.rho_m + d(3), l.alpha_rad + d(4)});
+            };
+            const Eigen::Vector2d numeric = innovation(at(h), at(-h)) / (2 * h);
+            const Eigen::Vector2d analytic =
+                k < 3 ? Eigen::Vector2d(H.pose.col(k)) : Eigen::Vector2d(H.line.col(k - 3));
+            EXPECT_LT((numeric - analytic).norm(), 1e-7) << "column " << k;
+        }
+    }
+}
+
+TEST_F(LineSlamModels, augmentation_jacobians_agree_with_central_differences) {
+    for (int i = 0; i < 100; ++i) {
+        const Pose2 T = pose();
+        const PlanarLine z = line();
+        const AugmentationJacobians G = augmentation_jacobians(T, transformed(T, z));
+        for (int k = 0; k < 5; ++k) {
+            const auto at = [&](double s) {
+                Eigen::Matrix<double, 5, 1> d = Eigen::Matrix<double, 5, 1>::Zero();
+                d(k) = s;
+                return transformed(corrected(T, d.head<3>()), {z.rho_m + d(3), z.alpha_rad + d(4)});
+            };
+            const Eigen::Vector2d numeric = innovation(at(h), at(-h)) / (2 * h);
+            const Eigen::Vector2d analytic =
+                k < 3 ? Eigen::Vector2d(G.pose.col(k)) : Eigen::Vector2d(G.observation.col(k - 3));
+            EXPECT_LT((numeric - analytic).norm(), 1e-7) << "column " << k;
+        }
+    }
+}
+
+TEST_F(LineSlamModels, moving_the_whole_map_is_never_observed) {
+    for (int i = 0; i < 100; ++i) {
+        const ObservationJacobians H = observation_jacobians(pose(), line());
+        // Turn about the origin: theta of the pose and alpha of the line; no estimate enters.
+        EXPECT_LT((H.pose.col(2) + H.line.col(1)).norm(), 1e-12);
+    }
+}
+
+TEST_F(LineSlamModels, error_maps_agree_with_central_differences) {
+    const Pose2 T = pose();
+    for (int k = 0; k < 3; ++k) {
+        Eigen::Vector3d d = Eigen::Vector3d::Zero();
+        d(k) = h;
+        const Eigen::Vector3d numeric =
+            (coordinates(corrected(T, d)) - coordinates(corrected(T, -d))) / (2 * h);
+        EXPECT_LT((numeric - coordinates_from_error(T).col(k)).norm(), 1e-7);
+        // T Exp(d) = Exp(Ad d) T.
+        const Pose2 right = T * Pose2{d(0), d(1), d(2)};
+        EXPECT_LT((coordinates(right) - coordinates(corrected(T, adjoint(T) * d))).norm(), 1e-10);
+    }
+}
+
+TEST_F(LineSlamModels, innovation_wraps_the_angle_and_tells_the_two_faces_of_a_wall_apart) {
+    EXPECT_NEAR(innovation({1, M_PI - 0.01}, {1, -M_PI + 0.01}).y(), -0.02, 1e-12);
+    const PlanarLine west_face{5, 0}, east_face{-5.0, M_PI};  // the same points, seen from either side
+    const Pose2 west{3, 0, 0.2}, east{7, 0, 0.2};
+    EXPECT_GT(predicted_line(west, west_face).rho_m, 0);
+    EXPECT_GT(predicted_line(east, east_face).rho_m, 0);
+    EXPECT_NEAR(std::abs(innovation(predicted_line(east, east_face), predicted_line(east, west_face)).y()),
+                M_PI, 1e-9);
+}
+
+TEST_F(LineSlamModels, covariance_in_the_base_frame_is_that_of_the_displaced_fit) {
+    // Monte Carlo of the transformation alone.
+    lines::LineSegment s;
+    s.rho_m = 3;
+    s.alpha_rad = 0.7;
+    s.covariance << 4e-4, 1e-4, 1e-4, 1e-4;
+    const PlanarLine sensor{s.rho_m, s.alpha_rad};
+    s.start_m = sensor.point_m(-1);
+    s.end_m = sensor.point_m(2);
+    const Pose2 T_base_sensor{0.8, -0.3, 0.4};
+    const LineObservation z = observation_in_base(s, T_base_sensor, 0);
+    const Eigen::Matrix2d L = s.covariance.llt().matrixL();
+    std::normal_distribution<double> normal;
+    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+    const int n = 20000;
+    for (int i = 0; i < n; ++i) {
+        const Eigen::Vector2d e = L * Eigen::Vector2d(normal(random), normal(random));
+        const PlanarLine moved_line = transformed(T_base_sensor, {s.rho_m + e.x(), s.alpha_rad + e.y()});
+        const Eigen::Vector2d d = innovation(moved_line, z.line);
+        sum += d * d.transpose();
+    }
+    EXPECT_LT((sum / n - z.covariance).norm(), 0.05 * z.covariance.norm());
+    // Uneven walls: the ends move by the stated sigma.
+    const LineObservation rough = observation_in_base(s, T_base_sensor, 0.1);
+    const Eigen::Matrix2d wall = rough.covariance - z.covariance;
+    for (const Eigen::Vector2d& end : {z.start_m, z.end_m}) {
+        const Eigen::Vector2d to_end(1, -z.line.along_m(end));  // offset of the end for (rho, alpha)
+        EXPECT_NEAR(to_end.dot(wall * to_end), 0.01, 1e-6);
+    }
+}
+
+}  // namespace
