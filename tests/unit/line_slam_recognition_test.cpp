@@ -89,7 +89,7 @@ TEST(LineSlamAssociation, the_long_wall_decides_and_gaps_separate) {
         return id;
     };
     const int long_wall = add(wall(3, M_PI - 1e-4, -8, 8, 0.005, 0.001));
-    const int bush = add(wall(2, 0.5, -0.3, 0.3, 0.02, 0.05));
+    const int bush = add(wall(2, 0.5, -0.3, 0.3, 0.005, 0.005));
     filter.predict({0.3, 0.5, 0});  // turning: the heading is now vague
     const Pose2 truth = filter.T_map_base() * Pose2{0, 0, 0.03};
     const auto seen = [&](const LineObservation& z, const Pose2& T) {
@@ -101,7 +101,7 @@ TEST(LineSlamAssociation, the_long_wall_decides_and_gaps_separate) {
     };
     // The bush has moved: it says the heading did not change, the wall (across the cut of the angle) that it
     // did.
-    std::vector<LineObservation> z{seen(wall(2, 0.44, -0.3, 0.3, 0.005, 0.001), filter.T_map_base()),
+    std::vector<LineObservation> z{seen(wall(2, 0.40, -0.3, 0.3, 0.005, 0.001), filter.T_map_base()),
                                    seen(wall(3, M_PI - 1e-4, -8, 8, 0.005, 0.001), truth)};
     const Association a = associate(filter, records, z, {});
     ASSERT_EQ(a.pairings.size(), 1u);
