@@ -109,7 +109,8 @@ bool Ekf::update(const std::vector<Pairing>& pairings, const std::vector<LineObs
     for (std::size_t k = 0; k < pairings.size(); ++k) {
         const Eigen::Index at = 2 * static_cast<Eigen::Index>(k), r = row(slot(pairings[k].line).position);
         S.middleRows<2>(at) = H[k].pose * PHt.topRows<3>() + H[k].line * PHt.middleRows<2>(r);
-        S.block<2, 2>(at, at) += observations[static_cast<std::size_t>(pairings[k].observation)].covariance;
+        const LineObservation& z = observations[static_cast<std::size_t>(pairings[k].observation)];
+        S.block<2, 2>(at, at) += z.covariance + z.surplus;
     }
     return apply(PHt, H_phi, S, v);
 }
@@ -149,8 +150,9 @@ int Ekf::augment(const LineObservation& observation) {
     P_aa_.conservativeResize(n + 2, n + 2);
     P_aa_.bottomLeftCorner(2, n) = with_rest;
     P_aa_.topRightCorner(n, 2) = with_rest.transpose();
-    P_aa_.bottomRightCorner<2, 2>() = with_rest.leftCols<3>() * G.pose.transpose() +
-                                      G.observation * observation.covariance * G.observation.transpose();
+    P_aa_.bottomRightCorner<2, 2>() =
+        with_rest.leftCols<3>() * G.pose.transpose() +
+        G.observation * (observation.covariance + observation.surplus) * G.observation.transpose();
     const Eigen::MatrixXd phi_new = G.pose * phi_.topRows<3>();
     phi_.conservativeResize(n + 2, Eigen::NoChange);
     phi_.bottomRows<2>() = phi_new;

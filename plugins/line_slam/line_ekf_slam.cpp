@@ -12,6 +12,7 @@ LineEkfSlam::LineEkfSlam(const LineSlamParameters& parameters)
 
 SlamStatus LineEkfSlam::step(const Pose2& T_previous_base, std::vector<LineObservation> observations) {
     predict(T_previous_base);
+    discount_repetition(T_previous_base.translation().norm(), observations);
     activate_surroundings(observations);
     const Association association = associate_or_doubt_wheels(observations);
     if (!association.pairings.empty()) {
@@ -48,6 +49,14 @@ void LineEkfSlam::predict(const Pose2& T_previous_base) {
     ++counts_.predictions;
     history_.steps.emplace_back();
     history_.steps.back().travel = travel;
+}
+
+/// A wall's unevenness looks the same from the next scan: over one correlation length of the path, all
+/// sightings together tell as much about the wall as one with this error.
+void LineEkfSlam::discount_repetition(double way_m, std::vector<LineObservation>& observations) const {
+    const double scans = parameters_.wall_correlation_m / std::max(way_m, 1e-3);
+    const double repetitions = std::min(std::max(scans, 1.0), parameters_.max_repetitions);
+    for (LineObservation& z : observations) z.surplus = (repetitions - 1) * z.wall_covariance;
 }
 
 /// If nothing is where the wheels say, but several walls are where one slip of the wheels puts them, the
@@ -205,10 +214,10 @@ std::optional<Recognition> LineEkfSlam::search_old_place() const {
         if (!filter_.exists(id)) continue;
         const MapLineRecord& record = records_[static_cast<std::size_t>(id)];
         const PlaceLine l{id, filter_.line(id), record.extent};
-        if (!record.awake) {
+        if (path_m_ - record.last_seen_m > parameters_.recent_m) {
             old.push_back(l);
             unseen_m = std::max(unseen_m, path_m_ - record.last_seen_m);
-        } else if (filter_.is_active(id) && path_m_ - record.last_seen_m < parameters_.recent_m) {
+        } else if (filter_.is_active(id)) {
             recent.push_back(l);
         }
     }

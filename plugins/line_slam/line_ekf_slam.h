@@ -21,8 +21,10 @@ struct LineSlamParameters {
     RecognitionParameters recognition;
     double drift_m_per_m = 0.02;  ///< what place recognition reckons with, since a place was seen
     double drift_rad_per_m = 0.002;
-    double recent_m = 8;               ///< of the path, whose lines are matched with old ones
+    double recent_m = 5;               ///< of the path, whose lines are matched with old ones
     double wake_m = 5;                 ///< of the path around an old place that is seen again
+    double wall_correlation_m = 0.5;   ///< of the path, over which a wall's unevenness looks the same
+    double max_repetitions = 20;       ///< that it counts for, at most
     double slip_factor = 10;           ///< by which the noise of slipping wheels exceeds the model's
     double recognition_every_m = 0.5;  ///< of the path
     double active_m = 3;               ///< of the path, whose lines stay active
@@ -50,6 +52,7 @@ class LineEkfSlam {
 
  private:
     void predict(const Pose2& T_previous_base);
+    void discount_repetition(double way_m, std::vector<LineObservation>& observations) const;
     Association associate_or_doubt_wheels(const std::vector<LineObservation>& observations);
     bool may_be_seen(int id, const std::vector<LineObservation>& observations, double reach_m) const;
     void activate_surroundings(const std::vector<LineObservation>& observations);

@@ -20,8 +20,8 @@ LineObservation observation_in_base(const lines::LineSegment& segment, const Pos
     const double variance_m2 = sigma_wall_m * sigma_wall_m;
     const Eigen::Matrix2d wall =
         Eigen::Vector2d(0.5 * variance_m2, 2 * variance_m2 / (length_m * length_m)).asDiagonal();
-    z.covariance =
-        to_base * segment.covariance * to_base.transpose() + about_middle * wall * about_middle.transpose();
+    z.wall_covariance = about_middle * wall * about_middle.transpose();
+    z.covariance = to_base * segment.covariance * to_base.transpose() + z.wall_covariance;
     return z;
 }
 

@@ -7,6 +7,7 @@
 namespace loopline::line_slam {
 namespace {
 
+constexpr std::size_t max_seeds = 40;
 constexpr double max_credit_m = 5;  // one long wall must not outvote the rest
 
 struct Pair {
@@ -14,9 +15,9 @@ struct Pair {
 };
 
 /// Common length of two lines if they are the same one within the tolerance, else 0.
-double agreement_m(const PlanarLine& moved, const Extent& extent, const PlaceLine& old, double tolerance_m,
-                   double tolerance_rad) {
-    if (std::abs(wrap_to_pi(moved.alpha_rad - old.line.alpha_rad)) > tolerance_rad) return 0;
+double agreement_m(const PlanarLine& moved, const Extent& extent, const PlaceLine& old,
+                   const RecognitionParameters& parameters) {
+    if (std::abs(wrap_to_pi(moved.alpha_rad - old.line.alpha_rad)) > parameters.tolerance_rad) return 0;
     const Eigen::Vector2d a = moved.point_m(extent.from_m), b = moved.point_m(extent.to_m);
     const Extent on_old = Extent::of(old.line, a, b);
     const double common_m = old.extent.overlap_m(on_old);
@@ -27,7 +28,7 @@ double agreement_m(const PlanarLine& moved, const Extent& extent, const PlaceLin
     for (const double s :
          {std::max(on_old.from_m, old.extent.from_m), std::min(on_old.to_m, old.extent.to_m)}) {
         const double u = std::abs(sb - sa) > 1e-9 ? (s - sa) / (sb - sa) : 0.0;
-        if (std::abs(da + u * (db - da)) > tolerance_m) return 0;
+        if (std::abs(da + u * (db - da)) > parameters.tolerance_m) return 0;
     }
     return common_m;
 }
@@ -37,28 +38,41 @@ Extent displaced(const Pose2& T, const PlanarLine& moved, const PlaceLine& l) {
     return Extent::of(moved, T * l.line.point_m(l.extent.from_m), T * l.line.point_m(l.extent.to_m));
 }
 
-Recognition agreement(const std::vector<PlaceLine>& recent, const std::vector<PlaceLine>& old, const Pose2& T,
+/// All pairings that agree with T, the longest for each recent line; `pairs` are ordered by recent line.
+Recognition agreement(const std::vector<PlaceLine>& recent, const std::vector<PlaceLine>& old,
+                      const std::vector<Pair>& pairs, const Pose2& T,
                       const RecognitionParameters& parameters) {
     Recognition r;
     r.T_old_recent = T;
-    for (const PlaceLine& l : recent) {
-        const PlanarLine moved = transformed(T, l.line);
-        const Extent extent = displaced(T, moved, l);
+    for (std::size_t p = 0; p < pairs.size();) {
+        const std::size_t i = pairs[p].recent;
+        const PlanarLine moved = transformed(T, recent[i].line);
+        const Extent extent = displaced(T, moved, recent[i]);
         double best_m = 0;
         int best = -1;
-        for (const PlaceLine& o : old) {
-            const double common_m =
-                agreement_m(moved, extent, o, parameters.tolerance_m, parameters.tolerance_rad);
-            if (common_m > best_m) {
-                best_m = common_m;
-                best = o.id;
-            }
+        for (; p < pairs.size() && pairs[p].recent == i; ++p) {
+            const double common_m = agreement_m(moved, extent, old[pairs[p].old], parameters);
+            if (common_m <= best_m) continue;
+            best_m = common_m;
+            best = old[pairs[p].old].id;
         }
         if (best < 0) continue;
-        r.matches.emplace_back(l.id, best);
+        r.matches.emplace_back(recent[i].id, best);
         r.score_m += std::min(best_m, max_credit_m);
     }
     return r;
+}
+
+/// The longest pairs, as seeds of a displacement: quadratic work must not grow with the place.
+std::vector<Pair> longest(std::vector<Pair> pairs, const std::vector<PlaceLine>& recent,
+                          const std::vector<PlaceLine>& old) {
+    const auto length_m = [&](const Pair& p) {
+        return std::min(recent[p.recent].extent.length_m(), old[p.old].extent.length_m());
+    };
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [&](const Pair& a, const Pair& b) { return length_m(a) > length_m(b); });
+    if (pairs.size() > max_seeds) pairs.resize(max_seeds);
+    return pairs;
 }
 
 /// The rotation about the origin and shift that put lines a, b onto A, B: heading by their mean, shift by
@@ -115,15 +129,16 @@ std::optional<Recognition> recognise_place(const std::vector<PlaceLine>& recent,
         }
 
     std::vector<Recognition> found;
-    for (std::size_t p = 0; p < pairs.size(); ++p)
-        for (std::size_t q = p + 1; q < pairs.size(); ++q) {
-            if (pairs[p].recent == pairs[q].recent) continue;
+    const std::vector<Pair> seeds = longest(pairs, r, o);
+    for (std::size_t p = 0; p < seeds.size(); ++p)
+        for (std::size_t q = p + 1; q < seeds.size(); ++q) {
+            if (seeds[p].recent == seeds[q].recent) continue;
             const auto T =
-                displacement(r[pairs[p].recent], o[pairs[p].old], r[pairs[q].recent], o[pairs[q].old]);
+                displacement(r[seeds[p].recent], o[seeds[p].old], r[seeds[q].recent], o[seeds[q].old]);
             if (!T || shift_at(*T, zero) > parameters.max_shift_m ||
                 std::abs(T->phi_rad) > parameters.max_turn_rad)
                 continue;
-            Recognition candidate = agreement(r, o, *T, parameters);
+            Recognition candidate = agreement(r, o, pairs, *T, parameters);
             if (static_cast<int>(candidate.matches.size()) >= parameters.min_lines)
                 found.push_back(std::move(candidate));
         }

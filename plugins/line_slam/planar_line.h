@@ -62,6 +62,10 @@ struct Extent {
 struct LineObservation {
     PlanarLine line;                                       ///< normal away from the sensor
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of (rho, alpha): m^2, m rad, rad^2
+    Eigen::Matrix2d wall_covariance =
+        Eigen::Matrix2d::Zero();  ///< the wall's own part in it: the next scans repeat it
+    Eigen::Matrix2d surplus =
+        Eigen::Matrix2d::Zero();  ///< to be added where each scan counts as news of its own
     Eigen::Vector2d start_m = Eigen::Vector2d::Zero();
     Eigen::Vector2d end_m = Eigen::Vector2d::Zero();
 

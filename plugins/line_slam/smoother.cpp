@@ -30,7 +30,8 @@ PoseLineGraph graph_of(const History& history, const SmoothedPath& path, const P
             const int line = track == no_track ? -1 : line_of_track[static_cast<std::size_t>(track)];
             if (line < 0) continue;
             const LineObservation& z = step.observations[i];
-            graph.observations.push_back({static_cast<int>(k), line, z.line, z.covariance.inverse()});
+            graph.observations.push_back(
+                {static_cast<int>(k), line, z.line, (z.covariance + z.surplus).inverse()});
         }
         std::stable_sort(graph.observations.begin() + first, graph.observations.end(),
                          [](const auto& a, const auto& b) { return a.line < b.line; });
