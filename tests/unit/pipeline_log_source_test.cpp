@@ -5,10 +5,12 @@
 #include <mrpt/obs/CObservationOdometry.h>
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "commands/command.h"
 #include "pipeline/log_source.h"
+#include "pipeline/raw_value.h"
 #include "pipeline_logs.h"
 
 using namespace loopline;
@@ -267,4 +269,14 @@ TEST(LogSource, damage_at_the_end_changes_nothing_before_it) {
 
 TEST(LogSource, a_missing_log_is_refused_before_anything_is_read) {
     EXPECT_THROW(LogSource({telecom_log, "/nowhere.rawlog"}), CommandError);
+}
+
+TEST(RawValue, a_flag_with_a_damaged_byte_is_true) {
+    unsigned char byte = 169;  // seen in a mutant of the real log
+    bool flag = false;
+    std::memcpy(&flag, &byte, sizeof(flag));
+    EXPECT_TRUE(is_set(flag));
+    settle(flag);
+    std::memcpy(&byte, &flag, sizeof(flag));
+    EXPECT_EQ(byte, 1);
 }

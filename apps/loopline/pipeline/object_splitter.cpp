@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "pipeline/raw_value.h"
+
 namespace loopline {
 namespace {
 
@@ -54,14 +56,14 @@ std::optional<ObjectSplitter::Movement> ObjectSplitter::movement_in(
     for (const auto& action : actions) {
         if (!action.get_ptr()) continue;
         if (const auto* planar = dynamic_cast<const CActionRobotMovement2D*>(action.get())) {
-            const bool wheels = planar->estimationMethod == CActionRobotMovement2D::emOdometry;
+            const bool wheels = raw_value(planar->estimationMethod) == CActionRobotMovement2D::emOdometry;
             if (!wheels && (movement || !planar->poseChange.get_ptr())) continue;
             const auto pose = wheels ? planar->rawOdometryIncrementReading : planar->poseChange->getMeanVal();
             movement = Movement{{pose.x(), pose.y(), pose.phi()}, planar};
             if (wheels) break;
         } else if (const auto* spatial = dynamic_cast<const CActionRobotMovement3D*>(action.get())) {
             const auto& pose = spatial->rawOdometryIncrementReading;
-            if (!movement && spatial->estimationMethod == CActionRobotMovement3D::emOdometry)
+            if (!movement && raw_value(spatial->estimationMethod) == CActionRobotMovement3D::emOdometry)
                 movement = Movement{{pose.x(), pose.y(), pose.yaw()}, nullptr};
         }
     }
@@ -81,13 +83,14 @@ void ObjectSplitter::take_actions(const mrpt::obs::CActionCollection& actions) {
     // What the wheels did before the first frame moves no observation.
     if (any_frame_) T_odometry_base_ = T_odometry_base_ * movement->increment;
     const auto* planar = movement->planar;
-    has_ticks_ = planar != nullptr && planar->hasEncodersInfo;
+    has_ticks_ = planar != nullptr && is_set(planar->hasEncodersInfo);
     if (has_ticks_ && any_frame_) {
         left_ticks_ += static_cast<std::uint32_t>(planar->encoderLeftTicks);
         right_ticks_ += static_cast<std::uint32_t>(planar->encoderRightTicks);
     }
-    has_velocity_ = planar != nullptr && planar->hasVelocities && std::isfinite(planar->velocityLocal.vx) &&
-                    std::isfinite(planar->velocityLocal.vy) && std::isfinite(planar->velocityLocal.omega);
+    has_velocity_ = planar != nullptr && is_set(planar->hasVelocities) &&
+                    std::isfinite(planar->velocityLocal.vx) && std::isfinite(planar->velocityLocal.vy) &&
+                    std::isfinite(planar->velocityLocal.omega);
     if (has_velocity_) velocity_base_ = planar->velocityLocal;
 }
 

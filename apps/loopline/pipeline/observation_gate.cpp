@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+#include "pipeline/raw_value.h"
+
 namespace loopline {
 namespace {
 
@@ -22,6 +24,7 @@ bool finite_within(double value, double bound) {
 }
 
 const char* refusal_of_scan(CObservation2DRangeScan& scan) {
+    settle(scan.rightToLeft);
     if (scan.getScanSize() < 2) return "laser scans without beams";
     if (scan.getScanSize() > most_beams) return "laser scans with more than 200000 beams";
     if (!std::isfinite(scan.aperture) || scan.aperture <= 0 ||
@@ -42,7 +45,9 @@ const char* refusal_of_scan(CObservation2DRangeScan& scan) {
     return nullptr;
 }
 
-const char* refusal_of_odometry(const CObservationOdometry& odometry) {
+const char* refusal_of_odometry(CObservationOdometry& odometry) {
+    settle(odometry.hasEncodersInfo);
+    settle(odometry.hasVelocities);
     const bool sane = finite_within(odometry.odometry.x(), farthest_position_m) &&
                       finite_within(odometry.odometry.y(), farthest_position_m) &&
                       finite_within(odometry.odometry.phi(), 1e6) &&
@@ -52,7 +57,8 @@ const char* refusal_of_odometry(const CObservationOdometry& odometry) {
     return sane ? nullptr : "odometry readings that are not finite or absurdly far";
 }
 
-const char* refusal_of_imu(const CObservationIMU& imu) {
+const char* refusal_of_imu(CObservationIMU& imu) {
+    for (bool& present : imu.dataIsPresent) settle(present);
     for (std::size_t i = 0; i < imu.rawMeasurements.size(); ++i)
         if (imu.dataIsPresent[i] && !std::isfinite(imu.rawMeasurements[i]))
             return "inertial readings that are not finite";
@@ -71,11 +77,11 @@ bool sane_sensor_pose(const CObservation& observation) {
 }  // namespace
 
 const char* refusal_of(CObservation& observation) {
-    if (const auto* odometry = dynamic_cast<const CObservationOdometry*>(&observation))
+    if (auto* odometry = dynamic_cast<CObservationOdometry*>(&observation))
         return refusal_of_odometry(*odometry);
     if (!sane_sensor_pose(observation)) return "observations whose sensor pose is not finite or absurdly far";
     if (auto* scan = dynamic_cast<CObservation2DRangeScan*>(&observation)) return refusal_of_scan(*scan);
-    if (const auto* imu = dynamic_cast<const CObservationIMU*>(&observation)) return refusal_of_imu(*imu);
+    if (auto* imu = dynamic_cast<CObservationIMU*>(&observation)) return refusal_of_imu(*imu);
     return nullptr;
 }
 
