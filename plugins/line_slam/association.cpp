@@ -30,6 +30,10 @@ std::vector<Candidate> compatible_pairings(const Ekf& filter, const MapLineRecor
             const Eigen::Vector2d v =
                 innovation(z.line, predicted_line(filter.T_map_base(), filter.line(id)));
             if (std::abs(v.y()) > coarse_angle_rad) continue;
+            if (!record.recent &&
+                (std::abs(v.y()) > parameters.max_surprise_rad ||
+                 std::abs(v.x() - z.line.along_m(z.middle_m()) * v.y()) > parameters.max_surprise_m))
+                continue;
             const double common_m = overlap_m(filter.T_map_base(), filter.line(id), record.extent, z);
             if (common_m < -parameters.max_gap_m) continue;
             const Eigen::Matrix2d S = filter.predicted_covariance(id, id) + z.covariance;

@@ -13,6 +13,10 @@ namespace loopline::line_slam {
 struct AssociationParameters {
     double gate = 13.8;      ///< squared Mahalanobis distance of two degrees of freedom (0.999)
     double max_gap_m = 1.0;  ///< between the seen part of a map line and the observed one
+    // A line out of sight for a while, alone, may not move the vehicle by more: one wall is easily taken for
+    // the next. More takes several lines that agree, see place_recognition.h.
+    double max_surprise_m = 0.15;
+    double max_surprise_rad = 0.06;
 };
 
 struct Association {

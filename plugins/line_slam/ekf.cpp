@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace loopline::line_slam {
 namespace {
@@ -51,13 +52,6 @@ Eigen::Matrix2d Ekf::predicted_covariance(int id_i, int id_j) const {
     const Matrix23 with_pose = H_i.pose * P_aa_.topLeftCorner<3, 3>() + H_i.line * P_aa_.block<2, 3>(i, 0);
     const Eigen::Matrix2d with_line = H_i.pose * P_aa_.block<3, 2>(0, j) + H_i.line * P_aa_.block<2, 2>(i, j);
     return with_pose * H_j.pose.transpose() + with_line * H_j.line.transpose();
-}
-
-Eigen::Matrix2d Ekf::difference_covariance(int id_i, int id_j) const {
-    assert(is_active(id_i) && is_active(id_j));
-    const Eigen::Index i = row(slot(id_i).position), j = row(slot(id_j).position);
-    return P_aa_.block<2, 2>(i, i) + P_aa_.block<2, 2>(j, j) - P_aa_.block<2, 2>(i, j) -
-           P_aa_.block<2, 2>(j, i);
 }
 
 void Ekf::predict(const WheelTravel& travel) {
@@ -164,15 +158,47 @@ int Ekf::augment(const LineObservation& observation) {
     return id;
 }
 
-bool Ekf::merge(int kept, int gone, const Eigen::Matrix2d& slack) {
-    const Eigen::Index i = row(slot(kept).position), j = row(slot(gone).position);
-    const Eigen::MatrixXd PHt = P_aa_.middleCols<2>(i) - P_aa_.middleCols<2>(j);
-    const Eigen::MatrixXd H_phi = phi_.middleRows<2>(i) - phi_.middleRows<2>(j);
-    const Eigen::MatrixXd S = PHt.middleRows<2>(i) - PHt.middleRows<2>(j) + slack;
-    const Eigen::Vector2d v(line(gone).rho_m - line(kept).rho_m,
-                            wrap_to_pi(line(gone).alpha_rad - line(kept).alpha_rad));
+void Ekf::same_wall_innovation(const std::vector<SameWall>& walls, Eigen::MatrixXd& PHt, Eigen::MatrixXd& S,
+                               Eigen::VectorXd& v) const {
+    const auto m = 2 * static_cast<Eigen::Index>(walls.size());
+    PHt.resize(P_aa_.rows(), m);
+    S.resize(m, m);
+    v.resize(m);
+    for (Eigen::Index k = 0; k < m; k += 2) {
+        const SameWall& w = walls[static_cast<std::size_t>(k / 2)];
+        PHt.middleCols<2>(k) =
+            P_aa_.middleCols<2>(row(slot(w.kept).position)) - P_aa_.middleCols<2>(row(slot(w.gone).position));
+        v.segment<2>(k) << line(w.gone).rho_m - line(w.kept).rho_m,
+            wrap_to_pi(line(w.gone).alpha_rad - line(w.kept).alpha_rad);
+    }
+    for (Eigen::Index k = 0; k < m; k += 2) {
+        const SameWall& w = walls[static_cast<std::size_t>(k / 2)];
+        S.middleRows<2>(k) =
+            PHt.middleRows<2>(row(slot(w.kept).position)) - PHt.middleRows<2>(row(slot(w.gone).position));
+        S.block<2, 2>(k, k) += w.slack;
+    }
+}
+
+double Ekf::same_wall_distance2(const std::vector<SameWall>& walls) const {
+    Eigen::MatrixXd PHt, S;
+    Eigen::VectorXd v;
+    same_wall_innovation(walls, PHt, S, v);
+    const Eigen::LLT<Eigen::MatrixXd> llt(S);
+    if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+    return llt.matrixL().solve(v).squaredNorm();
+}
+
+bool Ekf::merge(const std::vector<SameWall>& walls) {
+    Eigen::MatrixXd PHt, S;
+    Eigen::VectorXd v;
+    same_wall_innovation(walls, PHt, S, v);
+    Eigen::MatrixXd H_phi(v.size(), phi_.cols());
+    for (std::size_t k = 0; k < walls.size(); ++k)
+        H_phi.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
+            phi_.middleRows<2>(row(slot(walls[k].kept).position)) -
+            phi_.middleRows<2>(row(slot(walls[k].gone).position));
     if (!apply(PHt, H_phi, S, v)) return false;
-    remove(gone);
+    for (const SameWall& w : walls) remove(w.gone);
     return true;
 }
 

@@ -47,8 +47,6 @@ class Ekf {
     Eigen::Matrix2d line_covariance(int id) const;
     /// H_i P H_j^T of two active lines' observations, eq. (12) without R.
     Eigen::Matrix2d predicted_covariance(int id_i, int id_j) const;
-    /// Covariance of line i minus line j, both active.
-    Eigen::Matrix2d difference_covariance(int id_i, int id_j) const;
 
     /// Eq. (3)-(6).
     void predict(const WheelTravel& travel);
@@ -65,8 +63,16 @@ class Ekf {
     /// Section 3.6: a new active line from an observation of now; returns its id.
     int augment(const LineObservation& observation);
 
-    /// Two active lines are one: fuses them, up to a difference of covariance `slack`, and removes `gone`.
-    bool merge(int kept, int gone, const Eigen::Matrix2d& slack);
+    /// Two active lines that are one wall, up to a difference of covariance `slack`.
+    struct SameWall {
+        int kept, gone;
+        Eigen::Matrix2d slack;
+    };
+    /// Squared Mahalanobis distance of all these differences together; infinite if they have no proper
+    /// covariance.
+    double same_wall_distance2(const std::vector<SameWall>& walls) const;
+    /// Fuses each pair, all at once, and removes the lines that are gone.
+    bool merge(const std::vector<SameWall>& walls);
     void remove(int id);
 
     /// Makes exactly these lines active; brings everything up to date.
@@ -84,6 +90,9 @@ class Ekf {
     const Slot& slot(int id) const { return slots_[static_cast<std::size_t>(id)]; }
     static constexpr Eigen::Index head = 6;  ///< rows of the pose and of the wheel calibration
     static Eigen::Index row(int position) { return head + 2 * position; }
+    /// Differences of the pairs, gone minus kept, and their H P H^T + slack.
+    void same_wall_innovation(const std::vector<SameWall>& walls, Eigen::MatrixXd& PHt, Eigen::MatrixXd& S,
+                              Eigen::VectorXd& v) const;
     /// x += P H^T S^-1 v and P -= P H^T S^-1 H P, for stacked rows: `PHt` and `H_phi` belong to the same H.
     bool apply(const Eigen::MatrixXd& PHt, const Eigen::MatrixXd& H_phi, const Eigen::MatrixXd& S,
                const Eigen::VectorXd& v);

@@ -4,6 +4,15 @@
 #include <cmath>
 
 namespace loopline::line_slam {
+namespace {
+
+/// 0.999 quantile of chi-square. Wilson and Hilferty 1931.
+double chi_square_999(double degrees_of_freedom) {
+    const double h = 2 / (9 * degrees_of_freedom), z = 3.0902;
+    return degrees_of_freedom * std::pow(1 - h + z * std::sqrt(h), 3);
+}
+
+}  // namespace
 
 LineEkfSlam::LineEkfSlam(const LineSlamParameters& parameters)
     : parameters_(parameters), filter_(parameters.drive), tentative_(parameters.tentative) {
@@ -128,6 +137,7 @@ void LineEkfSlam::remember_seen(const std::vector<Pairing>& pairings,
         record.extent.extend(Extent::of(filter_.line(p.line), T * z.start_m, T * z.end_m));
         ++record.observations;
         record.last_seen_m = path_m_;
+        record.recent = true;
         const int place = static_cast<int>(path_m_);
         if (record.places.empty() || record.places.back() != place) record.places.push_back(place);
     }
@@ -159,29 +169,39 @@ void LineEkfSlam::drop_chance_lines() {
     }
 }
 
-bool LineEkfSlam::merge(int kept, int gone) {
-    MapLineRecord &keep = records_[static_cast<std::size_t>(kept)],
-                  &drop = records_[static_cast<std::size_t>(gone)];
-    const PlanarLine dropped_line = filter_.line(gone);
-    const double variance = parameters_.sigma_wall_m * parameters_.sigma_wall_m;
-    const double length_m = std::max(0.5, std::min(keep.extent.length_m(), drop.extent.length_m()));
-    const double middle_m = 0.5 * (drop.extent.from_m + drop.extent.to_m);
-    Eigen::Matrix2d about_middle;
-    about_middle << 1, middle_m, 0, 1;
-    const Eigen::Matrix2d slack =
-        about_middle * Eigen::Vector2d(variance, 4 * variance / (length_m * length_m)).asDiagonal() *
-        about_middle.transpose();
-    if (!filter_.merge(kept, gone, slack)) return false;
-    const PlanarLine& line = filter_.line(kept);
-    keep.extent.extend(
-        Extent::of(line, dropped_line.point_m(drop.extent.from_m), dropped_line.point_m(drop.extent.to_m)));
-    keep.observations += drop.observations;
-    keep.last_seen_m = std::max(keep.last_seen_m, drop.last_seen_m);
-    keep.places.insert(keep.places.end(), drop.places.begin(), drop.places.end());
-    std::sort(keep.places.begin(), keep.places.end());
-    keep.awake = true;
-    history_.same_wall.emplace_back(keep.track, drop.track);
-    ++counts_.merged;
+/// All matches at once; refused if they are farther from what the filter believes than even an overconfident
+/// one errs.
+bool LineEkfSlam::merge(const Recognition& recognition) {
+    std::vector<Ekf::SameWall> walls;
+    std::vector<PlanarLine> gone_lines;
+    const double variance_m2 = parameters_.sigma_wall_m * parameters_.sigma_wall_m;
+    for (const auto& [gone, kept] : recognition.matches) {
+        if (!filter_.is_active(kept)) continue;
+        const Extent& drop = records_[static_cast<std::size_t>(gone)].extent;
+        const double length_m = std::max(
+            0.5, std::min(records_[static_cast<std::size_t>(kept)].extent.length_m(), drop.length_m()));
+        Eigen::Matrix2d about_middle;
+        about_middle << 1, 0.5 * (drop.from_m + drop.to_m), 0, 1;
+        const Eigen::Vector2d slack(variance_m2, 4 * variance_m2 / (length_m * length_m));
+        walls.push_back({kept, gone, about_middle * slack.asDiagonal() * about_middle.transpose()});
+        gone_lines.push_back(filter_.line(gone));
+    }
+    const double bound = parameters_.overconfidence * parameters_.overconfidence *
+                         chi_square_999(2 * static_cast<double>(walls.size()));
+    if (walls.empty() || filter_.same_wall_distance2(walls) > bound || !filter_.merge(walls)) return false;
+    for (std::size_t k = 0; k < walls.size(); ++k) {
+        MapLineRecord& keep = records_[static_cast<std::size_t>(walls[k].kept)];
+        const MapLineRecord& drop = records_[static_cast<std::size_t>(walls[k].gone)];
+        keep.extent.extend(Extent::of(filter_.line(walls[k].kept), gone_lines[k].point_m(drop.extent.from_m),
+                                      gone_lines[k].point_m(drop.extent.to_m)));
+        keep.observations += drop.observations;
+        keep.last_seen_m = std::max(keep.last_seen_m, drop.last_seen_m);
+        keep.places.insert(keep.places.end(), drop.places.begin(), drop.places.end());
+        std::sort(keep.places.begin(), keep.places.end());
+        keep.awake = true;
+        history_.same_wall.emplace_back(keep.track, drop.track);
+        ++counts_.merged;
+    }
     return true;
 }
 
@@ -199,9 +219,11 @@ void LineEkfSlam::recognise_old_place() {
     filter_.activate(wanted);
     const auto confirmed = search_old_place();
     if (!confirmed) return;
+    if (!merge(*confirmed)) {
+        ++counts_.refused;
+        return;
+    }
     ++counts_.recognised;
-    for (const auto& [id_recent, id_old] : confirmed->matches)
-        if (filter_.is_active(id_old)) merge(id_old, id_recent);
     woken_at_m_ = -1;
 }
 
@@ -243,6 +265,7 @@ void LineEkfSlam::wake_neighbourhood() {
         for (const int place : record.places) mark(place);
     }
     for (MapLineRecord& record : records_) {
+        record.recent = path_m_ - record.last_seen_m < parameters_.recent_m;
         record.awake = false;
         for (const int place : record.places)
             record.awake = record.awake || near[static_cast<std::size_t>(place)];

@@ -21,18 +21,20 @@ struct LineSlamParameters {
     RecognitionParameters recognition;
     double drift_m_per_m = 0.02;  ///< what place recognition reckons with, since a place was seen
     double drift_rad_per_m = 0.002;
-    double recent_m = 5;               ///< of the path, whose lines are matched with old ones
-    double wake_m = 5;                 ///< of the path around an old place that is seen again
-    double wall_correlation_m = 0.5;   ///< of the path, over which a wall's unevenness looks the same
-    double max_repetitions = 20;       ///< that it counts for, at most
-    double slip_factor = 10;           ///< by which the noise of slipping wheels exceeds the model's
+    double recent_m = 5;              ///< of the path, whose lines are matched with old ones
+    double wake_m = 5;                ///< of the path around an old place that is seen again
+    double wall_correlation_m = 0.5;  ///< of the path, over which a wall's unevenness looks the same
+    double max_repetitions = 20;      ///< that it counts for, at most
+    double overconfidence =
+        10;                   ///< of the filter after a long way, that a recognised place may bring to light
+    double slip_factor = 10;  ///< by which the noise of slipping wheels exceeds the model's
     double recognition_every_m = 0.5;  ///< of the path
     double active_m = 3;               ///< of the path, whose lines stay active
 };
 
 struct LineSlamCounts {
     std::int64_t updates = 0, predictions = 0, associations = 0, rejected = 0, merged = 0, recognised = 0,
-                 slips = 0, dropped = 0;
+                 refused = 0, slips = 0, dropped = 0;
 };
 
 enum class SlamStatus { good, diverged };
@@ -64,7 +66,7 @@ class LineEkfSlam {
     std::optional<Recognition> search_old_place() const;
     void wake_neighbourhood();
     void drop_chance_lines();
-    bool merge(int kept, int gone);
+    bool merge(const Recognition& recognition);
 
     LineSlamParameters parameters_;
     Ekf filter_;

@@ -172,7 +172,9 @@ void LineSlam::finish(Results& results) {
     metrics["updates"] = counts.updates;
     metrics["associations"] = counts.associations;
     metrics["rejected"] = counts.rejected;
-    metrics["places_recognised"] = counts.recognised;
+    metrics["loops_found"] = counts.recognised;
+    metrics["loops_refused"] = counts.refused;
+    metrics["wheel_slips"] = counts.slips;
     metrics["lines_merged"] = counts.merged;
     metrics["lines_dropped"] = counts.dropped;
     if (without_odometry_) metrics["scans_without_odometry"] = without_odometry_;

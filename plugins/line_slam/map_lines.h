@@ -14,6 +14,7 @@ struct MapLineRecord {
     double last_seen_m = 0;   ///< length of the path until then
     std::vector<int> places;  ///< where along the path it was seen, in whole metres, growing
     bool awake = true;        ///< seen lately, or near to what is seen: a scan may be matched with it
+    bool recent = true;       ///< seen on the last metres of the path
 };
 
 /// By the filter's line id.

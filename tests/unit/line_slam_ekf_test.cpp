@@ -131,7 +131,7 @@ TEST(LineSlamEkf, merging_two_lines_of_one_wall_leaves_one_better_line) {
     filter.augment(d.see(0));
     filter.augment(d.see(1));
     const double before = filter.line_covariance(0)(0, 0), heading = filter.pose_covariance()(2, 2);
-    ASSERT_TRUE(filter.merge(0, 1, 1e-6 * Eigen::Matrix2d::Identity()));
+    ASSERT_TRUE(filter.merge({{0, 1, 1e-6 * Eigen::Matrix2d::Identity()}}));
     EXPECT_FALSE(filter.exists(1));
     EXPECT_TRUE(filter.exists(2));
     EXPECT_LE(filter.line_covariance(0)(0, 0), before);
