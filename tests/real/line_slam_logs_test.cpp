@@ -53,14 +53,13 @@ double ate_rmse_m(const std::vector<StampedPose>& estimate, const std::filesyste
         b.push_back(nearest->pose.translation());
     }
     if (a.size() < 1000) return 1e9;
-    Eigen::Matrix2Xd A(2, a.size()), B(2, b.size());
+    Eigen::MatrixXd A(2, a.size()), B(2, b.size());
     for (std::size_t i = 0; i < a.size(); ++i) {
         A.col(static_cast<Eigen::Index>(i)) = a[i];
         B.col(static_cast<Eigen::Index>(i)) = b[i];
     }
-    const Eigen::Matrix3d T = Eigen::umeyama(A, B, false);
-    const Eigen::Matrix2Xd moved =
-        (T.topLeftCorner<2, 2>() * A).colwise() + Eigen::Vector2d(T.topRightCorner<2, 1>());
+    const Eigen::MatrixXd T = Eigen::umeyama(A, B, false);
+    const Eigen::MatrixXd moved = (T.topLeftCorner(2, 2) * A).colwise() + T.col(2).head(2);
     return std::sqrt((moved - B).colwise().squaredNorm().mean());
 }
 
