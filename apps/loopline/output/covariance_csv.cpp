@@ -8,7 +8,7 @@
 namespace loopline {
 namespace {
 
-std::string header() {
+std::string covariance_header() {
     const std::array<const char*, 6> names = {"x", "y", "z", "roll", "pitch", "yaw"};
     std::string text = "stamp_s";
     for (std::size_t row = 0; row < 6; ++row)
@@ -24,7 +24,7 @@ std::string header() {
 
 std::size_t write_covariance_csv(const std::filesystem::path& file, const Trajectory& trajectory) {
     OutputFile out(file);
-    out.text(header());
+    out.text(covariance_header());
     std::size_t left_out = 0;
     for (const auto& entry : trajectory.entries()) {
         if (!entry.covariance.allFinite()) {

@@ -15,7 +15,7 @@
 namespace loopline {
 namespace {
 
-constexpr const char* header =
+constexpr const char* line_header =
     "id,rho_m,alpha_rad,var_rho_m2,cov_rho_alpha_m_rad,var_alpha_rad2,start_x_m,start_y_m,end_x_m,end_y_m,"
     "observations";
 
@@ -57,7 +57,7 @@ bool is_finite(const MapLine& line) {
 
 std::size_t write_line_map_csv(const std::filesystem::path& file, const LineMap& lines) {
     OutputFile out(file);
-    out.text(header).text("\n");
+    out.text(line_header).text("\n");
     std::size_t left_out = 0;
     for (const auto& line : lines) {
         if (!is_finite(line)) {
@@ -82,10 +82,10 @@ LineMap read_line_map_csv(const std::filesystem::path& file) {
         throw CommandError(exit_input_data, "can't read the line map " + file.string() +
                                                 ": it is missing or empty; give a map.lines.csv");
     if (!row.empty() && row.back() == '\r') row.pop_back();
-    if (row != header)
+    if (row != line_header)
         throw CommandError(exit_input_data, file.string() +
                                                 ":1: is not the header of a line map, which is \"" +
-                                                std::string(header) + "\"; give a map.lines.csv");
+                                                std::string(line_header) + "\"; give a map.lines.csv");
     LineMap lines;
     for (std::size_t number = 2; std::getline(in, row); ++number) {
         if (row.empty()) continue;

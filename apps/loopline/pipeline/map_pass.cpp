@@ -4,11 +4,11 @@
 
 #include "pipeline/log_source.h"
 #include "pipeline/progress.h"
+#include "pipeline/stopwatch.h"
 
 namespace loopline {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 const char* const builder_of_before_pictures = "points";
 
 struct Drawing {
@@ -36,10 +36,6 @@ std::vector<Drawing> drawings_of(const RunSetup& setup, RunRecord& record) {
                 {fresh_map_builder(*builder), record.odometry, &record.odometry_results, index, nullptr});
     }
     return drawings;
-}
-
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 void insert(const Drawing& drawing, const StreamItem& item) {

@@ -1,18 +1,10 @@
 #include "pipeline/module_chain.h"
 
 #include <algorithm>
-#include <chrono>
+
+#include "pipeline/stopwatch.h"
 
 namespace loopline {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-}  // namespace
 
 /// Appends what is published to the items of the next module.
 class ModuleChain::Collector : public Publisher {
