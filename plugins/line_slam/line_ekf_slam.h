@@ -17,14 +17,14 @@ struct LineSlamParameters {
     DriveParameters drive;
     AssociationParameters association;
     TentativeParameters tentative;
-    double sigma_wall_m = 0.02;  ///< how far a wall is from straight
+    double sigma_wall_m = 0.015;  ///< how far a wall is from straight
     RecognitionParameters recognition;
     double drift_m_per_m = 0.02;  ///< what place recognition reckons with, since a place was seen
     double drift_rad_per_m = 0.002;
     double recent_m = 5;              ///< of the path, whose lines are matched with old ones
     double wake_m = 5;                ///< of the path around an old place that is seen again
-    double wall_correlation_m = 0.5;  ///< of the path, over which a wall's unevenness looks the same
-    double max_repetitions = 20;      ///< that it counts for, at most
+    double wall_correlation_m = 2;  ///< of the path, over which a wall's unevenness looks the same
+    double max_repetitions = 40;      ///< that it counts for, at most
     double overconfidence =
         10;                   ///< of the filter after a long way, that a recognised place may bring to light
     double slip_factor = 10;  ///< by which the noise of slipping wheels exceeds the model's
