@@ -26,7 +26,8 @@ struct ModuleInfo {
     std::string name;      ///< as in `[run] modules`, and its .ini section
     std::string sentence;  ///< what it does
     std::vector<std::string>
-        needs;  ///< class names of observations it can't work without ("CObservation2DRangeScan")
+        needs;  ///< class names of observations it can't work without ("CObservation2DRangeScan"); the first is
+                ///< the one that its time is told per
     std::vector<std::string> uses;       ///< class names it takes when they are there
     std::vector<std::string> publishes;  ///< class names that it publishes
 };

@@ -3,6 +3,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "line_slam/line_input.h"
@@ -102,19 +103,15 @@ void LineSlam::process(const StreamItem& item, Publisher& publisher) {
     if (status_ != SlamStatus::good) return;
     const auto* observation = item.observation.get();
     if (const auto* lines = dynamic_cast<const CObservationLines*>(observation)) {
-        Scan& scan = waiting_[item.sequence];
-        scan.stamp_ns = item.stamp_ns;
-        scan.timestamp = observation->timestamp;
+        auto& [sequence, scan] = scan_of(item, Part::lines);
         take_lines(*lines, scan);
-        newest_lines_ = item.sequence;
+        newest_lines_ = sequence;
     } else if (const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(observation);
                odometry && odometry->sensorLabel == odometry_label) {
-        Scan& scan = waiting_[item.sequence];
-        scan.stamp_ns = item.stamp_ns;
-        scan.timestamp = observation->timestamp;
-        scan.T_odom_base =
+        scan_of(item, Part::odometry).second.T_odom_base =
             Pose2{odometry->odometry.x(), odometry->odometry.y(), wrap_to_pi(odometry->odometry.phi())};
     } else {
+        newest_item_ = std::max(item.sequence, newest_item_.value_or(0));
         return;
     }
     // A scan without lines is known to be one when lines of a later scan have come.
@@ -124,6 +121,22 @@ void LineSlam::process(const StreamItem& item, Publisher& publisher) {
         estimate(first->first, first->second, publisher);
         waiting_.erase(first);
     }
+}
+
+std::pair<const std::uint64_t, LineSlam::Scan>& LineSlam::scan_of(const StreamItem& item, Part part) {
+    // What a module publishes carries the sequence of a scan that has gone by; what a log holds has its own.
+    const bool recorded = !newest_item_ || item.sequence > *newest_item_;
+    newest_item_ = std::max(item.sequence, newest_item_.value_or(0));
+    if (recorded)
+        for (auto& waiting : waiting_) {
+            const Scan& scan = waiting.second;
+            const bool has_part = part == Part::lines ? scan.lines.has_value() : scan.T_odom_base.has_value();
+            if (scan.stamp_ns == item.stamp_ns && !has_part) return waiting;
+        }
+    auto& waiting = *waiting_.try_emplace(item.sequence).first;
+    waiting.second.stamp_ns = item.stamp_ns;
+    waiting.second.timestamp = item.observation->timestamp;
+    return waiting;
 }
 
 void LineSlam::drain(Publisher& publisher) {

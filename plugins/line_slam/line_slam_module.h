@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "api/module.h"
 #include "line_slam/line_ekf_slam.h"
@@ -13,9 +14,9 @@ namespace loopline {
 
 class CObservationLines;
 
-/// Pairs the lines of a scan with the odometry of the same scan (by sequence: the odometry may come later),
-/// feeds the filter in the log's order, and publishes the filter's pose of every scan. At the end the path is
-/// smoothed.
+/// Pairs the lines of a scan with the odometry of the same scan (by sequence; by stamp where both come from a
+/// recorded log: the odometry may come later), feeds the filter in the log's order, and publishes the
+/// filter's pose of every scan. At the end the path is smoothed.
 class LineSlam : public Module {
     DEFINE_MRPT_OBJECT(LineSlam, loopline)
  public:
@@ -39,6 +40,9 @@ class LineSlam : public Module {
         std::optional<std::vector<line_slam::LineObservation>> lines;
     };
 
+    enum class Part { lines, odometry };
+    /// The scan that this item is a part of, with its sequence.
+    std::pair<const std::uint64_t, Scan>& scan_of(const StreamItem& item, Part part);
     void take_lines(const CObservationLines& observation, Scan& scan) const;
     void estimate(std::uint64_t sequence, const Scan& scan, Publisher& publisher);
     void revise_trajectory(const line_slam::SmoothedPath& smoothed);
@@ -50,8 +54,9 @@ class LineSlam : public Module {
 
     // The state: all that a break between two scans must keep.
     std::unique_ptr<line_slam::LineEkfSlam> slam_;
-    std::map<std::uint64_t, Scan> waiting_;  ///< by sequence
-    std::uint64_t newest_lines_ = 0;         ///< highest sequence that brought lines
+    std::map<std::uint64_t, Scan> waiting_;     ///< by sequence
+    std::uint64_t newest_lines_ = 0;            ///< highest sequence that brought lines
+    std::optional<std::uint64_t> newest_item_;  ///< highest sequence so far
     std::optional<Pose2> T_odom_previous_;
     Trajectory trajectory_;
     line_slam::SlamStatus status_ = line_slam::SlamStatus::good;

@@ -12,15 +12,15 @@
 namespace loopline::line_slam {
 
 struct GraphMotion {
-    WheelTravel travel;           ///< measured
-    Eigen::Matrix3d information;  ///< of it
+    WheelTravel travel;                                     ///< measured
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of it
 };
 
 struct GraphObservation {
     int pose = 0;
     int line = 0;
     PlanarLine observed_base;
-    Eigen::Matrix2d information;  ///< of (rho, alpha)
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();  ///< of (rho, alpha)
 };
 
 /// Poses and lines, and what ties them. Pose 0 stays where it is.

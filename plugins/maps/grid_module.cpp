@@ -6,8 +6,8 @@ IMPLEMENTS_MRPT_OBJECT(GridMapBuilder, MapBuilder, loopline)
 ModuleInfo GridMapBuilder::info() const {
     return {"grid",
             "Draws an occupancy grid from all scans at their final poses.",
-            {},
             {"CObservation2DRangeScan"},
+            {},
             {}};
 }
 

@@ -6,8 +6,8 @@ IMPLEMENTS_MRPT_OBJECT(PointsMapBuilder, MapBuilder, loopline)
 ModuleInfo PointsMapBuilder::info() const {
     return {"points",
             "Collects the points of all scans at their final poses, thinned.",
-            {},
             {"CObservation2DRangeScan"},
+            {},
             {}};
 }
 

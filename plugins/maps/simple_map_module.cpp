@@ -25,8 +25,8 @@ mrpt::poses::CPose3DPDFGaussian::Ptr pose_with_covariance(const TrajectoryEntry&
 ModuleInfo SimpleMapBuilder::info() const {
     return {"simplemap",
             "Keeps scans with their final poses as keyframes of an MRPT .simplemap.",
-            {},
             {"CObservation2DRangeScan"},
+            {},
             {}};
 }
 

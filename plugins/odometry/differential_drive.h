@@ -40,8 +40,8 @@ class TickUnwrapper {
 struct OdometryNoise {
     double along_m = 0.05;
     double across_m = 0.02;
-    double heading_rad = 0.02;          ///< after one metre
-    double heading_per_turn_rad = 0.2;  ///< after one full turn
+    double heading_rad = 1 * M_PI / 180;            ///< after one metre
+    double heading_per_turn_rad = 10 * M_PI / 180;  ///< after one full turn
 };
 
 /// Covariance of (x, y, phi) in the map frame at `T_map_b`, after a motion from `T_map_a` where it was

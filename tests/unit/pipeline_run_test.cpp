@@ -28,7 +28,8 @@ class Walker : public Module {
     ParameterTable parameters() override { return {name_, ""}; }
     void process(const StreamItem& item, Publisher& publisher) override {
         if (item.sequence == at_) accident_();
-        if (!is_laser_scan(*item.observation)) return;
+        const bool echo = path_.find(item.sequence) != nullptr;  // of the walker before it
+        if (echo || !is_laser_scan(*item.observation)) return;
         path_.append(item.sequence, item.stamp_ns, Pose3(Pose2{double(item.sequence), 0, 0}),
                      Matrix6d::Identity());
         publisher.publish(scan(item.stamp_ns, "echo"));

@@ -93,7 +93,15 @@ NeedsReport needs_report(const Experiment& experiment, const LogFacts& facts) {
         for (const auto& name : info.publishes) publishers.emplace(short_class_name(name), info.name);
     };
     for (const auto& module : experiment.modules) look_at(module->info());
-    for (const auto& builder : experiment.map_builders) look_at(builder->info());
+    publishers.clear();
+    for (const auto& builder : experiment.map_builders) {
+        const ModuleInfo info = builder->info();
+        report.undrawn.push_back(undrawn_map(info, facts));
+        if (report.undrawn.back().empty()) {
+            report.undrawn.pop_back();
+            look_at(info);
+        }
+    }
     return report;
 }
 
@@ -106,6 +114,7 @@ CheckReport check_report(const Experiment& experiment, const LogSource& source, 
     if (!nothing) append(faults, needs.missing);
     std::vector<std::string> warnings = source.warnings();
     append(warnings, survey.complaints());
+    if (!nothing) append(warnings, needs.undrawn);
 
     CheckReport report;
     report.text =

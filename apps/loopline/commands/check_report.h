@@ -14,9 +14,11 @@ namespace loopline {
 /// What a module or map builder needs, and where it comes from.
 struct NeedsReport {
     std::vector<std::string> lines;    ///< one for each module and map builder that needs anything
-    std::vector<std::string> missing;  ///< a sentence for each need that nothing meets
+    std::vector<std::string> missing;  ///< a sentence for each need of a module that nothing meets
+    std::vector<std::string> undrawn;  ///< a sentence for each map that the log doesn't hold the data for
 };
-/// An observation class comes from the log, or from a module that stands earlier in the chain.
+/// An observation class comes from the log, or from a module that stands earlier in the chain. Maps are drawn
+/// from the log alone.
 NeedsReport needs_report(const Experiment& experiment, const LogFacts& facts);
 
 struct CheckReport {

@@ -130,8 +130,11 @@ int run_command_line(const std::vector<std::unique_ptr<Command>>& commands, std:
     app.set_version_flag("--version", "loopline " LOOPLINE_VERSION, "Print the version");
     app.require_subcommand(1);
     const std::string exit_codes =
-        "Exit codes: 0 done; 2 configuration; 3 input data; 4 the estimate diverged or was "
-        "refused; 130 interrupted (results so far are saved).";
+        "Exit codes: 0 done; 2 configuration (command line, .ini, plugins, a place that can't be written); 3 "
+        "input "
+        "data; 4 the estimate diverged or was refused, or a module failed; 130 interrupted (results so far "
+        "are "
+        "saved); 137 killed from outside, as when memory runs out.";
     app.footer(exit_codes);  // the commands inherit it
     Command* chosen = nullptr;
     for (const auto& command : commands) {

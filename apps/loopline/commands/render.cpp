@@ -5,6 +5,8 @@
 #include <charconv>
 #include <optional>
 
+#include "pipeline/read_guard.h"
+#include "pipeline/supervisor.h"
 #include "render/render.h"
 
 namespace loopline {
@@ -24,6 +26,38 @@ std::optional<PictureSize> size_from_text(const std::string& text) {
     const auto height = std::from_chars(width.ptr + 1, end, size.height_px);
     if (height.ec != std::errc() || height.ptr != end || !is_allowed(size)) return std::nullopt;
     return size;
+}
+
+/// Bytes of a file, or of the files in a folder.
+std::uint64_t bytes_of(const std::filesystem::path& source) {
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(source, ignored)) {
+        const auto bytes = std::filesystem::file_size(source, ignored);
+        return ignored ? 0 : bytes;
+    }
+    std::uint64_t sum = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(source, ignored)) {
+        const auto bytes = entry.file_size(ignored);
+        if (!ignored) sum += bytes;
+    }
+    return sum;
+}
+
+/// Reads and draws; in a worker process, since damaged bytes can crash MRPT's readers, and what they make of
+/// such bytes whatever draws it. For the supervisor, reading is object 0 and drawing object 1.
+int render_in_worker(const std::string& source, const Attempt& attempt,
+                     const std::function<void(const SceneContent&)>& draw) {
+    if (const auto& limit = attempt.rules.limits.front())
+        throw CommandError(exit_input_data, limit->objects == 0
+                                                ? source + " is damaged (" + limit->reason + ")."
+                                                : source + " holds what can't be drawn; is it damaged?");
+    ReadGuard guard(attempt.rules.state, 0, bytes_of(source));
+    guard.enter(0);
+    const SceneContent content = scene_from_path(source);
+    guard.leave();
+    attempt.rules.state->enter(WorkerState::Stage::reading, 0, 1);
+    draw(content);
+    return exit_done;
 }
 
 class RenderCommand : public Command {
@@ -69,8 +103,14 @@ class RenderCommand : public Command {
         if (std::filesystem::path(out_).extension() != ".png")
             throw CommandError(exit_configuration,
                                "--out " + out_ + " must end in .png, the only format that is written.");
-        render_picture(scene_from_path(source_), *view, *size, out_);
-        return exit_done;
+        Supervision supervision;
+        supervision.rawlogs = {source_};
+        supervision.longest_read = std::chrono::minutes(5);
+        return static_cast<ExitCode>(supervise(supervision, [&](const Attempt& attempt) {
+            return render_in_worker(source_, attempt, [&](const SceneContent& content) {
+                render_picture(content, *view, *size, out_);
+            });
+        }));
     }
 
  private:

@@ -4,15 +4,24 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 
 namespace loopline {
 
-std::size_t terminal_width() {
-    constexpr std::size_t narrowest = 30, widest = 100, usual = 80;
-    std::size_t width = usual;
+std::optional<std::size_t> columns_of(int file_descriptor) {
     winsize window{};
-    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0) width = window.ws_col;
+    if (ioctl(file_descriptor, TIOCGWINSZ, &window) != 0 || window.ws_col == 0) return std::nullopt;
+    return window.ws_col;
+}
+
+void clear_line_on_stderr() {
+    if (::isatty(STDERR_FILENO) == 1) std::fputs("\r\033[K", stderr);
+}
+
+std::size_t terminal_width() {
+    constexpr std::size_t narrowest = 30, widest = 100;
+    std::size_t width = columns_of(STDOUT_FILENO).value_or(usual_columns);
     if (const char* columns = std::getenv("COLUMNS"))
         if (const long asked = std::strtol(columns, nullptr, 10); asked > 0)
             width = static_cast<std::size_t>(asked);

@@ -2,9 +2,19 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 namespace loopline {
+
+constexpr std::size_t usual_columns = 80;
+
+/// The width of the terminal behind this file descriptor; nothing if it is no terminal or doesn't know.
+std::optional<std::size_t> columns_of(int file_descriptor);
+
+/// Takes the line that the cursor is in off the terminal on standard error, so that a sentence starts on a
+/// clean one; nothing in a pipe.
+void clear_line_on_stderr();
 
 /// Columns to write in: COLUMNS, else the terminal's own width, else 80; between 30 and 100, where lines stay
 /// readable.

@@ -76,6 +76,7 @@ void record_input(const RunSetup& setup, const LogSource& source, RunRecord& rec
         record.inputs.push_back({reader.path(), reader.file_bytes(), sha256_of_file(reader.path()),
                                  reader.objects(), reader.damage()});
     }
+    record.facts = source.facts();
     record.scans_read = source.facts().scans();
     record.first_stamp_ns = source.facts().first_stamp_ns();
     record.last_stamp_ns = source.facts().last_stamp_ns();

@@ -88,6 +88,14 @@ std::string LogFacts::inventory() const {
     return text.empty() ? "nothing" : text;
 }
 
+std::string undrawn_map(const ModuleInfo& builder, const LogFacts& facts) {
+    for (const auto& need : builder.needs)
+        if (!facts.has_class(need))
+            return "no map " + builder.name + " is drawn: it needs " + need + ", and this log holds " +
+                   facts.inventory();
+    return {};
+}
+
 std::vector<std::string> LogFacts::label_warnings() const {
     std::vector<std::string> warnings;
     std::map<std::string, std::set<std::string>> classes_of_label;

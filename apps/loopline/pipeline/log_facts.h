@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/module.h"
 #include "api/stamp.h"
 
 namespace loopline {
@@ -58,6 +59,9 @@ class LogFacts {
     std::uint64_t observations_ = 0, scans_ = 0;
     StampNs first_stamp_ns_ = 0, last_stamp_ns_ = 0;
 };
+
+/// A sentence if the map builder can't draw anything from such a log; empty if it can.
+std::string undrawn_map(const ModuleInfo& builder, const LogFacts& facts);
 
 /// "mrpt::obs::CObservationGPS" without its namespaces.
 std::string short_class_name(const std::string& name);

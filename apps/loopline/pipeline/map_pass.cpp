@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/log_source.h"
+#include "pipeline/main_input.h"
 #include "pipeline/progress.h"
 #include "pipeline/stopwatch.h"
 
@@ -17,6 +18,7 @@ struct Drawing {
     Results* results;
     int index;             ///< in [run] maps
     ModuleTiming* timing;  ///< null where nobody asks
+    MainInput main_input;
 };
 
 std::vector<Drawing> drawings_of(const RunSetup& setup, RunRecord& record) {
@@ -29,11 +31,17 @@ std::vector<Drawing> drawings_of(const RunSetup& setup, RunRecord& record) {
     for (std::size_t i = 0; i < experiment.map_builders.size(); ++i) {
         const auto& builder = experiment.map_builders[i];
         const std::string name = builder->info().name;
+        if (auto sentence = undrawn_map(builder->info(), record.facts); !sentence.empty()) {
+            record.warnings.push_back(std::move(sentence));
+            continue;
+        }
         const int index = static_cast<int>(i);
-        drawings.push_back({builder, record.trajectory, &record.results, index, &record.modules[name]});
+        const MainInput input(builder->info());
+        drawings.push_back(
+            {builder, record.trajectory, &record.results, index, &record.modules[name], input});
         if (before_too && name == builder_of_before_pictures)
-            drawings.push_back(
-                {fresh_map_builder(*builder), record.odometry, &record.odometry_results, index, nullptr});
+            drawings.push_back({fresh_map_builder(*builder), record.odometry, &record.odometry_results, index,
+                                nullptr, input});
     }
     return drawings;
 }
@@ -43,7 +51,7 @@ void insert(const Drawing& drawing, const StreamItem& item) {
     drawing.builder->insert(item);
     if (drawing.timing == nullptr) return;
     const double elapsed_ms = milliseconds_since(start);
-    ++drawing.timing->calls;
+    drawing.timing->calls += drawing.main_input.holds(*item.observation) ? 1 : 0;
     drawing.timing->total_ms += elapsed_ms;
     drawing.timing->worst_ms = std::max(drawing.timing->worst_ms, elapsed_ms);
 }

@@ -32,7 +32,9 @@ class ModuleChain::Collector : public Publisher {
 };
 
 ModuleChain::ModuleChain(const std::vector<Module::Ptr>& modules, WorkerState* state, Listener listener)
-    : modules_(modules), timings_(modules.size()), state_(state), listener_(std::move(listener)) {}
+    : modules_(modules), timings_(modules.size()), state_(state), listener_(std::move(listener)) {
+    for (const auto& module : modules_) main_inputs_.emplace_back(module->info());
+}
 
 void ModuleChain::start(const RunContext& context) {
     for (const auto& module : modules_) module->start(context);
@@ -54,7 +56,7 @@ void ModuleChain::flow(std::size_t first, std::uint64_t root_sequence) {
             const auto start = Clock::now();
             modules_[i]->process(item, publisher);
             const double elapsed_ms = milliseconds_since(start);
-            ++timing.calls;
+            timing.calls += main_inputs_[i].holds(*item.observation) ? 1 : 0;
             timing.total_ms += elapsed_ms;
             timing.worst_ms = std::max(timing.worst_ms, elapsed_ms);
         }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "api/module.h"
+#include "pipeline/main_input.h"
 #include "pipeline/run_record.h"
 #include "pipeline/worker_state.h"
 
@@ -31,7 +32,8 @@ class ModuleChain {
     void finish(Results& results);
 
     const std::vector<Module::Ptr>& modules() const { return modules_; }
-    /// In chain order. A module's calls are those of process(); finish_ms is drain() and finish() together.
+    /// In chain order. total_ms is all of process(), calls the observations of a module's main input,
+    /// finish_ms drain() and finish() together.
     const std::vector<ModuleTiming>& timings() const { return timings_; }
 
  private:
@@ -40,6 +42,7 @@ class ModuleChain {
     void flow(std::size_t first, std::uint64_t root_sequence);
 
     std::vector<Module::Ptr> modules_;
+    std::vector<MainInput> main_inputs_;
     std::vector<ModuleTiming> timings_;
     WorkerState* state_;
     Listener listener_;

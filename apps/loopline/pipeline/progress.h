@@ -11,6 +11,11 @@ namespace loopline {
 
 class LogSource;
 
+/// What stands in the line, in at most `columns` less the room that an echoed ^C takes: what does not fit is
+/// left out, so that the line never wraps.
+std::string progress_text(const std::string& what, double fraction, double left_s, double real_time_factor,
+                          std::size_t columns);
+
 class Progress {
  public:
     /// Shows only if `wanted` and stderr is a terminal.

@@ -8,6 +8,7 @@
 
 #include "api/results.h"
 #include "api/trajectory.h"
+#include "pipeline/log_facts.h"
 
 namespace loopline {
 
@@ -20,10 +21,10 @@ struct InputRecord {
 };
 
 struct ModuleTiming {
-    std::uint64_t calls = 0;
-    double total_ms = 0;
-    double worst_ms = 0;
-    double finish_ms = 0;  ///< at the end of the log, not in total_ms
+    std::uint64_t calls = 0;  ///< observations of its main input; the other items cost next to nothing
+    double total_ms = 0;      ///< with all items
+    double worst_ms = 0;      ///< of one item
+    double finish_ms = 0;     ///< at the end of the log, not in total_ms
 };
 
 struct RunRecord {
@@ -33,6 +34,7 @@ struct RunRecord {
         warnings;  ///< sentences: stamps going backwards, two sensors with one label, ...
     std::vector<InputRecord> inputs;
 
+    LogFacts facts;
     std::uint64_t scans_read = 0;  ///< laser scans in the log
     std::uint64_t scans_used = 0;  ///< laser scans with a pose in the result
     StampNs first_stamp_ns = 0;

@@ -12,6 +12,7 @@
 #include <new>
 
 #include "commands/command.h"
+#include "commands/terminal.h"
 #include "pipeline/archive_reader.h"
 
 namespace loopline {
@@ -260,6 +261,7 @@ class Supervisor {
     }
 
     int give_up(int code, const std::string& sentence) {
+        clear_line_on_stderr();  // what the worker left there of its progress
         std::cerr << "loopline: " << sentence << std::endl;
         return code;
     }
