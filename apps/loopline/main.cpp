@@ -7,12 +7,14 @@
 #include "commands/import.h"
 #include "commands/render.h"
 #include "commands/run.h"
+#include "commands/simulate.h"
 
 int main(int argc, char** argv) {
     loopline::survive_closed_pipes();
 
     std::vector<std::unique_ptr<loopline::Command>> commands;
     commands.push_back(loopline::make_run_command());
+    commands.push_back(loopline::make_simulate_command());
     commands.push_back(loopline::make_evaluate_command());
     commands.push_back(loopline::make_render_command());
     commands.push_back(loopline::make_check_command());

@@ -222,6 +222,36 @@ ParameterTable& ParameterTable::paths(const std::string& name, std::vector<std::
     return *this;
 }
 
+ParameterTable& ParameterTable::rows(const std::string& name, std::vector<std::vector<double>>& value,
+                                     RowShape shape, const std::string& form, const std::string& sentence) {
+    const auto parse = [&value, shape, form](const std::string& text) -> std::optional<std::string> {
+        std::vector<double> row;
+        for (const auto& word : split_words(text, " \t,")) {
+            const auto number = number_from_text(word);
+            if (!number) return "holds \"" + word + "\", which is not a number";
+            row.push_back(*number);
+        }
+        const bool enough = row.size() >= shape.first;
+        const std::size_t beyond = enough ? row.size() - shape.first : 0;
+        if (!enough || (shape.more == 0 ? beyond != 0 : beyond % shape.more != 0))
+            return "has " + std::to_string(row.size()) + " numbers (needed: " + form + ")";
+        value.push_back(std::move(row));
+        return std::nullopt;
+    };
+    const auto print_rows = [&value] {
+        std::vector<std::string> texts;
+        for (const auto& row : value) {
+            std::vector<std::string> numbers;
+            for (const double number : row) numbers.push_back(number_text(number));
+            texts.push_back(join(numbers, " "));
+        }
+        return texts;
+    };
+    add({name, ParameterKind::rows, {}, form, sentence, {}, parse, [] { return std::string(); }});
+    parameters_.back().print_rows = print_rows;
+    return *this;
+}
+
 ParameterTable& ParameterTable::add_choice(const std::string& name, const std::vector<std::string>& names,
                                            std::function<void(std::size_t)> set,
                                            std::function<std::size_t()> get, const std::string& sentence) {

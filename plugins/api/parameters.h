@@ -24,7 +24,7 @@ struct Range {
     static Range positive() { return at_least(std::numeric_limits<double>::denorm_min()); }
 };
 
-enum class ParameterKind { real, integer, boolean, choice, text, path, list, path_list };
+enum class ParameterKind { real, integer, boolean, choice, text, path, list, path_list, rows };
 
 /// Whether a named file has to be there before anything runs.
 enum class FileNeed { optional, must_exist };
@@ -42,6 +42,15 @@ struct Parameter {
     std::function<std::string()> print;  ///< the present value, as it would stand in an .ini
     std::vector<std::string> choices{};  ///< of a choice: the words that are allowed
     FileNeed need = FileNeed::optional;  ///< of a path or path list
+    /// Of rows: the key may stand several times, `parse` adds a row each time, and this gives them as they would stand
+    /// in an .ini.
+    std::function<std::vector<std::string>()> print_rows{};
+};
+
+/// How many numbers a row has: `first`, or more by whole multiples of `more`.
+struct RowShape {
+    std::size_t first = 1;
+    std::size_t more = 0;
 };
 
 /// The parameters of one .ini section, in the order of declaration. Bound variables must outlive the table,
@@ -71,6 +80,11 @@ class ParameterTable {
     /// Paths, separated by ";" since a path may hold blanks and commas; each handled like path().
     ParameterTable& paths(const std::string& name, std::vector<std::string>& value,
                           const std::string& sentence, FileNeed need = FileNeed::optional);
+
+    /// A key that may stand several times, with a row of numbers each time, separated by blanks or commas. `form` names
+    /// them: "x y x y ...".
+    ParameterTable& rows(const std::string& name, std::vector<std::vector<double>>& value, RowShape shape,
+                         const std::string& form, const std::string& sentence);
 
     template <class Enum>
     ParameterTable& choice(const std::string& name, Enum& value,

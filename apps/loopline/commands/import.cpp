@@ -2,9 +2,6 @@
 /// classes of the plugins, and their parameters become options.
 #include "commands/import.h"
 
-#include <mrpt/io/CFileGZOutputStream.h>
-#include <mrpt/serialization/CArchive.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -13,6 +10,7 @@
 #include "config/did_you_mean.h"
 #include "config/ini_text.h"
 #include "config/plugin_loader.h"
+#include "output/rawlog_file.h"
 
 namespace loopline {
 namespace {
@@ -25,54 +23,15 @@ std::string option_name(std::string key) {
     return "--" + key;
 }
 
-/// A rawlog that has its name only when it is whole.
-class RawlogFile : public RawlogSink {
+/// What an importer writes and says.
+class ImportSink : public RawlogSink {
  public:
-    explicit RawlogFile(fs::path file) : file_(std::move(file)), partial_(file_.string() + ".partial") {
-        bool open = false;
-        try {
-            open = stream_.open(partial_.string());
-        } catch (const std::exception&) {
-        }
-        if (!open)
-            throw CommandError(exit_configuration,
-                               "can't write " + file_.string() +
-                                   "; give --out a file in a folder that exists and can be written");
-    }
-    ~RawlogFile() override {
-        stream_.close();
-        std::error_code ignored;
-        if (!whole_) fs::remove(partial_, ignored);
-    }
-    RawlogFile(const RawlogFile&) = delete;
-    RawlogFile& operator=(const RawlogFile&) = delete;
-
-    void write(const mrpt::serialization::CSerializable& object) override {
-        try {
-            archive_.WriteObject(object);
-        } catch (const std::exception&) {
-            refuse();
-        }
-    }
+    explicit ImportSink(RawlogFile& rawlog) : rawlog_(rawlog) {}
+    void write(const mrpt::serialization::CSerializable& object) override { rawlog_.write(object); }
     void warn(const std::string& sentence) override { std::cerr << "loopline: " << sentence << '\n'; }
 
-    void commit() {
-        stream_.close();
-        std::error_code error;
-        fs::rename(partial_, file_, error);
-        if (error) refuse();
-        whole_ = true;
-    }
-
  private:
-    [[noreturn]] void refuse() {
-        throw CommandError(exit_configuration, "can't write " + file_.string() + "; is the disk full?");
-    }
-
-    fs::path file_, partial_;
-    bool whole_ = false;
-    mrpt::io::CFileGZOutputStream stream_;
-    mrpt::serialization::CArchiveStreamBase<mrpt::io::CFileGZOutputStream> archive_{stream_};
+    RawlogFile& rawlog_;
 };
 
 class ImportCommand : public Command {
@@ -101,8 +60,9 @@ class ImportCommand : public Command {
         if (const std::string wrong = chosen_->check(); !wrong.empty())
             throw CommandError(exit_configuration, "import " + chosen_->info().name + ": " + wrong);
         RawlogFile rawlog(out_);
+        ImportSink sink(rawlog);
         try {
-            const std::string summary = chosen_->import(inputs_, rawlog);
+            const std::string summary = chosen_->import(inputs_, sink);
             rawlog.commit();
             std::cout << out_ << ": " << summary << '\n';
         } catch (const CommandError&) {

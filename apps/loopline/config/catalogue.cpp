@@ -15,6 +15,14 @@ Catalogue::Catalogue() : defaults_(std::make_unique<Experiment>()) {
         entries_.push_back({SectionKind::host, {table.section(), table.sentence(), {}, {}, {}}, table});
     for (const auto& name : known_modules()) add(SectionKind::module, make_module(name));
     for (const auto& name : known_map_builders()) add(SectionKind::map_builder, make_map_builder(name));
+    for (const auto& name : known_simulators()) add_scenario(make_simulator(name));
+}
+
+void Catalogue::add_scenario(const Simulator::Ptr& simulator) {
+    owners_.push_back(simulator);
+    for (auto& table : simulator->sections())
+        entries_.push_back(
+            {SectionKind::scenario, {table.section(), table.sentence(), {}, {}, {}}, table});
 }
 
 void Catalogue::add(SectionKind kind, const Configurable::Ptr& owner) {
@@ -37,7 +45,8 @@ std::vector<std::string> Catalogue::names() const {
 std::string describe_all_as_ini(const Catalogue& catalogue) {
     std::string text = "# Every section and key of loopline " LOOPLINE_VERSION
                        " at its default. [run] needs rawlog and modules.\n";
-    for (const auto& entry : catalogue.entries()) text += "\n" + ini_section_text(entry.table);
+    for (const auto& entry : catalogue.entries())
+        if (entry.kind != SectionKind::scenario) text += "\n" + ini_section_text(entry.table);
     return text;
 }
 

@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "api/simulator.h"
 #include "config/experiment.h"
 
 namespace loopline {
 
-enum class SectionKind { host, module, map_builder };
+enum class SectionKind { host, module, map_builder, scenario };
 
 struct CatalogueEntry {
     SectionKind kind;
@@ -18,7 +19,8 @@ struct CatalogueEntry {
     ParameterTable table;
 };
 
-/// The host's sections, then the modules, then the map builders of all plugins, each kind in order of name.
+/// The host's sections, then the modules, then the map builders of all plugins, each kind in order of name, then the
+/// sections of scenarios in the order of the simulator.
 class Catalogue {
  public:
     /// Loads the plugins.
@@ -29,6 +31,7 @@ class Catalogue {
 
  private:
     void add(SectionKind kind, const Configurable::Ptr& owner);
+    void add_scenario(const Simulator::Ptr& simulator);
 
     std::unique_ptr<Experiment> defaults_;  ///< that the host's tables are bound to
     std::vector<Configurable::Ptr> owners_;
@@ -40,6 +43,7 @@ std::string describe_all_as_text(const Catalogue& catalogue, std::size_t width);
 std::string describe_as_text(const CatalogueEntry& entry, std::size_t width);
 std::string describe_all_as_markdown(const Catalogue& catalogue);
 std::string describe_as_markdown(const CatalogueEntry& entry);
+/// Of an experiment: without the sections of scenarios.
 std::string describe_all_as_ini(const Catalogue& catalogue);
 
 }  // namespace loopline

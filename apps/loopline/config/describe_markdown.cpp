@@ -23,6 +23,8 @@ only what differs; `[run]` must name `rawlog` (or the command line does, by `--r
   same. A `--set` for a module that is not used is refused, since it would have no effect.
 - An unknown section or key, a wrong value, anything that stands there twice: all are reported together, each with file:line
   and the nearest known name; the exit code is 2 (3 if only a log is missing), and nothing is written.
+- A scenario, as in `datasets/`, is an .ini file of the same form with sections of its own. A key that takes rows of numbers may
+  stand there several times; `--set` replaces all of its rows by one, or by none if there is no value.
 - `config.ini` in a run directory holds every key with the value that counted, and repeats the run.
 )";
 
@@ -71,7 +73,8 @@ std::string describe_as_markdown(const CatalogueEntry& entry) {
 std::string describe_all_as_markdown(const Catalogue& catalogue) {
     return introduction + group(catalogue, SectionKind::host, "Sections of the host") +
            group(catalogue, SectionKind::module, "Modules, for `[run] modules`") +
-           group(catalogue, SectionKind::map_builder, "Map builders, for `[run] maps`");
+           group(catalogue, SectionKind::map_builder, "Map builders, for `[run] maps`") +
+           group(catalogue, SectionKind::scenario, "Sections of a scenario, for `loopline simulate`");
 }
 
 }  // namespace loopline

@@ -106,11 +106,15 @@ class Parser {
         if (key.empty()) return report("there is no key before \"=\"");
         if (skipping_) return;
         if (!section_) return report("\"" + shortened(key) + "\" stands before the first [section]");
-        if (const auto* first = section_->find(key))
+        if (const auto* first = section_->find(key); first && !may_repeat(key))
             return report("[" + section_->name + "] " + key + " stands there twice (first in line " +
                           std::to_string(first->origin.line) + "); remove one");
         section_->entries.push_back(
             {key, value_at(line, equals + 1, true), value_at(line, equals + 1, false), origin_});
+    }
+
+    bool may_repeat(const std::string& key) const {
+        return std::find(file_.repeatable.begin(), file_.repeatable.end(), key) != file_.repeatable.end();
     }
 
     IniFile& file_;
@@ -133,9 +137,11 @@ IniSection* IniFile::find(const std::string& section) {
     return found == sections.end() ? nullptr : &*found;
 }
 
-IniFile parse_ini_text(const std::string& text, const std::string& path) {
+IniFile parse_ini_text(const std::string& text, const std::string& path,
+                       const std::vector<std::string>& repeatable) {
     IniFile file;
     file.path = path;
+    file.repeatable = repeatable;
     Parser parser(file);
     std::size_t begin = text.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0;
     for (int number = 1; begin < text.size(); ++number) {
@@ -148,7 +154,7 @@ IniFile parse_ini_text(const std::string& text, const std::string& path) {
     return file;
 }
 
-IniFile read_ini_file(const std::string& path) {
+IniFile read_ini_file(const std::string& path, const std::vector<std::string>& repeatable) {
     const auto unreadable = [&](const std::string& why) {
         IniFile file;
         file.path = path;
@@ -170,7 +176,7 @@ IniFile read_ini_file(const std::string& path) {
     if (text.size() > largest_file_bytes && text.find('\0') == std::string::npos)
         return unreadable(
             "this is longer than 4 MB, which no .ini file is; give the .ini, and the log by --rawlog");
-    return parse_ini_text(text, path);
+    return parse_ini_text(text, path, repeatable);
 }
 
 void apply_override(IniFile& file, const std::string& assignment) {
@@ -191,10 +197,15 @@ void apply_override(IniFile& file, const std::string& assignment) {
         file.sections.push_back({section_name, origin, {}});
         section = &file.sections.back();
     }
-    if (auto* entry = section->find(key))
-        *entry = {key, value, value, origin, true};
-    else
-        section->entries.push_back({key, value, value, origin, true});
+    auto& entries = section->entries;
+    const auto same_key = [&](const IniEntry& entry) { return entry.key == key; };
+    const auto first = std::find_if(entries.begin(), entries.end(), same_key);
+    if (first == entries.end()) {
+        entries.push_back({key, value, value, origin, true});
+        return;
+    }
+    *first = {key, value, value, origin, true};
+    entries.erase(std::remove_if(first + 1, entries.end(), same_key), entries.end());
 }
 
 std::string ini_assignment(const std::string& key, const std::string& value) {

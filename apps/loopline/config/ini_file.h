@@ -33,18 +33,20 @@ struct IniSection {
 struct IniFile {
     std::string path;
     std::vector<IniSection> sections;
+    std::vector<std::string> repeatable;  ///< keys that may stand several times in a section
     std::vector<Problem> problems;  ///< what could not be understood, and what stands there twice
 
     IniSection* find(const std::string& section);
 };
 
 /// Never throws: a file that can't be read is a problem in the result.
-IniFile read_ini_file(const std::string& path);
+IniFile read_ini_file(const std::string& path, const std::vector<std::string>& repeatable = {});
 /// The same for text in memory; `path` is for the sentences.
-IniFile parse_ini_text(const std::string& text, const std::string& path);
+IniFile parse_ini_text(const std::string& text, const std::string& path,
+                       const std::vector<std::string>& repeatable = {});
 
-/// `section.key=value` from the command line: replaces the entry, or adds it. The last one counts. What is
-/// wrong with its form goes to the file's problems.
+/// `section.key=value` from the command line: replaces the entry (all of them, if the key stands several times), or
+/// adds it. The last one counts. What is wrong with its form goes to the file's problems.
 void apply_override(IniFile& file, const std::string& assignment);
 
 /// The text of `key = value` from which `value` reads back: in quotes where it needs them.

@@ -38,6 +38,8 @@ std::string kind_text(ParameterKind kind) {
             return "words";
         case ParameterKind::path_list:
             return "paths";
+        case ParameterKind::rows:
+            return "rows of numbers";
     }
     return {};
 }
@@ -52,9 +54,13 @@ std::string parameter_facts(const Parameter& parameter) {
 
 std::string ini_section_text(const ParameterTable& table) {
     std::string text = comment(table.sentence()) + "[" + table.section() + "]\n";
-    for (const auto& parameter : table.parameters())
-        text += "\n" + comment(parameter.sentence + " (" + parameter_facts(parameter) + ")") +
-                ini_assignment(parameter.name, parameter.print()) + "\n";
+    for (const auto& parameter : table.parameters()) {
+        text += "\n" + comment(parameter.sentence + " (" + parameter_facts(parameter) + ")");
+        if (parameter.kind != ParameterKind::rows)
+            text += ini_assignment(parameter.name, parameter.print()) + "\n";
+        else
+            for (const auto& row : parameter.print_rows()) text += ini_assignment(parameter.name, row) + "\n";
+    }
     return text;
 }
 

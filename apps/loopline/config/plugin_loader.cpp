@@ -164,6 +164,9 @@ std::vector<std::string> known_map_builders() {
 std::vector<std::string> known_importers() {
     return names_of_each<Importer>();
 }
+std::vector<std::string> known_simulators() {
+    return names_of_each<Simulator>();
+}
 Module::Ptr make_module(const std::string& name) {
     return made_by_name<Module>(name);
 }
@@ -172,6 +175,9 @@ MapBuilder::Ptr make_map_builder(const std::string& name) {
 }
 Importer::Ptr make_importer(const std::string& name) {
     return made_by_name<Importer>(name);
+}
+Simulator::Ptr make_simulator(const std::string& name) {
+    return made_by_name<Simulator>(name);
 }
 
 }  // namespace loopline

@@ -6,6 +6,7 @@
 
 #include "api/importer.h"
 #include "api/module.h"
+#include "api/simulator.h"
 
 namespace loopline {
 
@@ -15,13 +16,15 @@ std::vector<std::string> load_plugins();
 /// The same for one library.
 void load_plugin(const std::string& path);
 
-/// Names (ModuleInfo::name) of all modules, of all map builders and of all importers, sorted.
+/// Names (ModuleInfo::name) of all modules, of all map builders, of all importers and of all simulators, sorted.
 std::vector<std::string> known_modules();
 std::vector<std::string> known_map_builders();
 std::vector<std::string> known_importers();
+std::vector<std::string> known_simulators();
 /// Null if there is none of that name.
 Module::Ptr make_module(const std::string& name);
 MapBuilder::Ptr make_map_builder(const std::string& name);
 Importer::Ptr make_importer(const std::string& name);
+Simulator::Ptr make_simulator(const std::string& name);
 
 }  // namespace loopline

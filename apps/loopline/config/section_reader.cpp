@@ -30,6 +30,7 @@ class Reader {
         if (entry.from_command_line && !section_.used)
             return report(entry, "would have no effect: " + table.section() +
                                      " is neither in [run] modules nor in [run] maps");
+        if (entry.value.empty() && parameter->kind == ParameterKind::rows) return;  // --set world.door_m=
         if (entry.value.empty() && !may_be_empty(parameter->kind))
             return report(entry, "has no value (it is a " + kind_text(parameter->kind) + ", default " +
                                      parameter->default_text + ")");

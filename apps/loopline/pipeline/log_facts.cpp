@@ -14,7 +14,7 @@ namespace {
 using mrpt::obs::CObservation2DRangeScan;
 
 bool differ(const mrpt::math::TPose3D& a, const mrpt::math::TPose3D& b) {
-    constexpr double tolerance = 0.01;  // m and rad: a mount does not move that much
+    constexpr double tolerance = 0.02;  // m and rad: a servo does not move that much from scan to scan
     return std::abs(a.x - b.x) > tolerance || std::abs(a.y - b.y) > tolerance ||
            std::abs(a.z - b.z) > tolerance || std::abs(std::remainder(a.yaw - b.yaw, 2 * M_PI)) > tolerance ||
            std::abs(a.pitch - b.pitch) > tolerance || std::abs(a.roll - b.roll) > tolerance;
@@ -71,6 +71,7 @@ void LogFacts::add(const mrpt::obs::CObservation& observation, StampNs stamp_ns)
                             std::abs(sensor.aperture_rad - scan->aperture) > 1e-4F ||
                             differ(pose, sensor.T_base_sensor);
         }
+        sensor.T_base_sensor = pose;  // a servo may turn it bit by bit
     }
 }
 

@@ -1,0 +1,46 @@
+/// The true path of a simulated vehicle: constant twists, step by step, so that the pose is exact at any
+/// nanosecond.
+#pragma once
+
+#include <vector>
+
+#include "api/pose2.h"
+#include "api/pose3.h"
+#include "api/stamp.h"
+#include "odometry/twist2.h"
+
+namespace loopline::simulation {
+
+/// Times are nanoseconds since the start.
+class TrueMotion {
+ public:
+    TrueMotion() = default;
+    TrueMotion(const Pose2& T_map_start, StampNs step_ns) : poses_{T_map_start}, step_ns_(step_ns) {}
+
+    /// The vehicle moves by `twist` within the next step.
+    void append(const Twist2& twist) {
+        twists_.push_back(twist);
+        poses_.push_back(poses_.back() * exp_se2(twist));
+    }
+
+    StampNs step_ns() const { return step_ns_; }
+    StampNs duration_ns() const { return static_cast<StampNs>(twists_.size()) * step_ns_; }
+    const Pose2& last() const { return poses_.back(); }
+
+    /// Before the start and after the end the vehicle stands still.
+    Pose2 planar_pose_at(StampNs time_ns) const {
+        if (time_ns <= 0) return poses_.front();
+        if (time_ns >= duration_ns()) return poses_.back();
+        const auto step = static_cast<std::size_t>(time_ns / step_ns_);
+        const double part = static_cast<double>(time_ns % step_ns_) / static_cast<double>(step_ns_);
+        return poses_[step] * exp_se2(twists_[step] * part);
+    }
+    Pose3 pose_at(StampNs time_ns) const { return Pose3(planar_pose_at(time_ns)); }
+
+ private:
+    std::vector<Pose2> poses_;    ///< at the start of each step, and at the end of the last
+    std::vector<Twist2> twists_;  ///< of each step
+    StampNs step_ns_ = 1;
+};
+
+}  // namespace loopline::simulation

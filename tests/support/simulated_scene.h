@@ -1,0 +1,54 @@
+/// Scenarios of datasets/ as scenes, without the way through a rawlog.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "config/scenario.h"
+#include "simulation/encoders.h"
+#include "simulation/simulator_module.h"
+
+namespace loopline::test {
+
+inline std::string dataset(const std::string& name) {
+    return std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/" + name;
+}
+
+/// The scene that a scenario draws. Its sensors are those of a simulator of the test's own.
+inline std::unique_ptr<simulation::Scene> scene_of(const std::string& scenario_file,
+                                                   const std::vector<std::string>& overrides = {}) {
+    WorldSimulator simulator;
+    load_scenario(scenario_file, overrides, simulator);
+    return simulation::make_scene(simulator.scenario());
+}
+
+/// Where dead reckoning puts the scene's feature points: each through the poses of the moment when the
+/// vehicle is nearest to it.
+inline std::vector<double> dead_reckoning_errors_m(const simulation::Scene& scene,
+                                                   const simulation::EncoderSettings& settings) {
+    std::vector<StampNs> nearest_ns;
+    for (const auto& point : scene.world.points) {
+        double best_m = 1e9;
+        StampNs best_ns = 0;
+        for (StampNs t = 0; t <= scene.duration_ns(); t += 50'000'000)
+            if (const double d =
+                    (scene.drive.motion.planar_pose_at(t).translation() - point.position_m).norm();
+                d < best_m) {
+                best_m = d;
+                best_ns = t;
+            }
+        nearest_ns.push_back(best_ns);
+    }
+    std::vector<double> errors_m(nearest_ns.size());
+    for (std::size_t i = 0; i < nearest_ns.size(); ++i) {
+        simulation::Encoders encoders(settings, scene.drive);
+        const Pose2 T_odom_base = encoders.read(nearest_ns[i]).T_odom_base;
+        const Pose2 T_map_base = scene.drive.motion.planar_pose_at(nearest_ns[i]);
+        const Eigen::Vector2d& point_m = scene.world.points[i].position_m;
+        errors_m[i] = (T_odom_base * (T_map_base.inverse() * point_m) - point_m).norm();
+    }
+    return errors_m;
+}
+
+}  // namespace loopline::test
