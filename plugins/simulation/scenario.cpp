@@ -31,8 +31,8 @@ ParameterTable office_table(OfficeSettings& s) {
         .real("room_width_m", s.room_width_m, {3.5, 100}, "Along the corridor.")
         .real("room_depth_m", s.room_depth_m, {3, 100}, "Away from it.")
         .real("corridor_m", s.corridor_m, {1, 20}, "Width of the corridors.")
-        .real("wall_m", s.wall_m, {0.05, 1}, "Thickness of the walls.")
-        .real("door_m", s.door_m, {0.6, 1.2}, "Width of the doors.")
+        .real("wall_thickness_m", s.wall_m, {0.05, 1}, "Thickness of the walls.")
+        .real("door_width_m", s.door_m, {0.6, 1.2}, "Width of the doors.")
         .real("open_doors", s.open_doors, {0, 1},
               "Part of the doors that are open; those of visited rooms are.")
         .integer("visits", s.visits, {0, 800}, "Rooms that the round leads through.")

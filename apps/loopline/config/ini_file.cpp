@@ -114,7 +114,8 @@ class Parser {
     }
 
     bool may_repeat(const std::string& key) const {
-        return std::find(file_.repeatable.begin(), file_.repeatable.end(), key) != file_.repeatable.end();
+        const std::string name = section_->name + "." + key;
+        return std::find(file_.repeatable.begin(), file_.repeatable.end(), name) != file_.repeatable.end();
     }
 
     IniFile& file_;

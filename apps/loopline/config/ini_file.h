@@ -33,7 +33,7 @@ struct IniSection {
 struct IniFile {
     std::string path;
     std::vector<IniSection> sections;
-    std::vector<std::string> repeatable;  ///< keys that may stand several times in a section
+    std::vector<std::string> repeatable;  ///< "section.key": what may stand several times
     std::vector<Problem> problems;  ///< what could not be understood, and what stands there twice
 
     IniSection* find(const std::string& section);

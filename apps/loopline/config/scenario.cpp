@@ -13,7 +13,7 @@ std::vector<std::string> keys_that_may_repeat(const std::vector<ParameterTable>&
     std::vector<std::string> keys;
     for (const auto& table : tables)
         for (const auto& parameter : table.parameters())
-            if (parameter.kind == ParameterKind::rows) keys.push_back(parameter.name);
+            if (parameter.kind == ParameterKind::rows) keys.push_back(table.section() + "." + parameter.name);
     return keys;
 }
 
