@@ -7,29 +7,38 @@
 namespace loopline::simulation {
 namespace {
 
-/// Depths of a front's sections: neighbours differ by at least a fifth of the largest step.
+/// Depths of a front's sections: no two on one line, and neighbours a fifth of the largest step apart at
+/// least.
 std::vector<double> stepped_front(int sections, double step_m, RandomStream& random) {
+    const double apart_m = step_m / (20 * sections);
     std::vector<double> depths_m;
     while (static_cast<int>(depths_m.size()) < sections) {
         const double depth_m = random.uniform(0, step_m);
-        if (depths_m.empty() || std::abs(depth_m - depths_m.back()) >= step_m / 5)
-            depths_m.push_back(depth_m);
+        bool good = depths_m.empty() || std::abs(depth_m - depths_m.back()) >= step_m / 5;
+        for (const double other_m : depths_m) good = good && std::abs(depth_m - other_m) >= apart_m;
+        if (good) depths_m.push_back(depth_m);
     }
     return depths_m;
+}
+
+/// Where sections begin and end, as parts of the front: uneven, so that no step faces one of the other front.
+std::vector<double> section_ends(int sections, RandomStream& random) {
+    std::vector<double> ends{0};
+    for (int i = 1; i < sections; ++i) ends.push_back((i + random.uniform(-0.3, 0.3)) / sections);
+    ends.push_back(1);
+    return ends;
 }
 
 /// Counter-clockwise around the building, from its corner of least x and y; fronts along x.
 std::vector<Eigen::Vector2d> outline(const CampusSettings& s, RandomStream& random) {
     std::vector<Eigen::Vector2d> corners;
-    const double section_m = s.building_length_m / s.sections;
     const double x0 = -s.building_length_m / 2, y0 = -s.building_depth_m / 2;
     const auto front = [&](double sign) {
         const auto depths_m = stepped_front(s.sections, s.step_m, random);
-        for (int i = 0; i < s.sections; ++i) {
-            const double y = sign * (y0 + depths_m[static_cast<std::size_t>(i)]);
-            corners.emplace_back(sign * (x0 + i * section_m), y);
-            corners.emplace_back(sign * (x0 + (i + 1) * section_m), y);
-        }
+        const auto ends = section_ends(s.sections, random);
+        for (std::size_t i = 0; i < depths_m.size(); ++i)
+            for (const double end : {ends[i], ends[i + 1]})
+                corners.emplace_back(sign * (x0 + end * s.building_length_m), sign * (y0 + depths_m[i]));
     };
     front(1);
     front(-1);

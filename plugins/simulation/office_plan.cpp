@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "simulation/floor_plan.h"
 #include "simulation/random_stream.h"
@@ -81,8 +82,9 @@ class Office {
     /// In and out again: a loop of right angles inside the room.
     void visit(const Room& room) {
         const double corridor_y = room.wall_y - room.side * half();
-        const double near_y = room.wall_y + room.side * (s_.wall_m + 1.2);
-        const double far_y = room.wall_y + room.side * (s_.wall_m + std::min(3.2, room.depth - 0.8));
+        const double near_y =
+            room.wall_y + room.side * (s_.wall_m + s_.door_m + free_way_m);  // past the open leaf
+        const double far_y = room.wall_y + room.side * (s_.wall_m + std::min(3.5, room.depth - 0.8));
         const double x = room.door_x, beyond_x = x + 1.2;
         for (const auto& corner :
              {Eigen::Vector2d(x, corridor_y), Eigen::Vector2d(x, far_y), Eigen::Vector2d(beyond_x, far_y),
@@ -163,7 +165,8 @@ class Office {
     void furnish(const Room& r) {
         const double inner_y = r.wall_y + r.side * s_.wall_m;
         const Eigen::Vector2d door(r.door_x, inner_y);
-        for (int piece = 0, attempt = 0; piece < s_.clutter && attempt < 200; ++attempt) {
+        std::vector<std::pair<Eigen::Vector2d, double>> placed;  // with half their diagonal
+        for (int attempt = 0; static_cast<int>(placed.size()) < s_.clutter && attempt < 300; ++attempt) {
             const double length_m = random_.uniform(0.3, 1.6), width_m = random_.uniform(0.3, 0.8);
             const double angle_rad =
                 random_.chance(0.7) ? random_.index(2) * M_PI / 2 : random_.uniform(0, M_PI);
@@ -174,8 +177,12 @@ class Office {
             if (r.depth < 2 * size_m || (place - door).norm() < s_.door_m + size_m ||
                 in_the_way(place, size_m))
                 continue;
+            const bool overlaps = std::any_of(placed.begin(), placed.end(), [&](const auto& other) {
+                return (other.first - place).norm() < other.second + size_m;
+            });
+            if (overlaps) continue;
             add_box(plan_.world, place, length_m, width_m, angle_rad, top_m);
-            ++piece;
+            placed.emplace_back(place, size_m);
         }
     }
 

@@ -29,7 +29,7 @@ ParameterTable office_table(OfficeSettings& s) {
     return ParameterTable("office", "Generator: offices around a ring of corridors.")
         .integer("rooms", s.rooms, {1, 200}, "Rooms along a corridor, on each of its sides.")
         .real("room_width_m", s.room_width_m, {3.5, 100}, "Along the corridor.")
-        .real("room_depth_m", s.room_depth_m, {3, 100}, "Away from it.")
+        .real("room_depth_m", s.room_depth_m, {3.5, 100}, "Away from it.")
         .real("corridor_m", s.corridor_m, {1, 20}, "Width of the corridors.")
         .real("wall_thickness_m", s.wall_m, {0.05, 1}, "Thickness of the walls.")
         .real("door_width_m", s.door_m, {0.6, 1.2}, "Width of the doors.")

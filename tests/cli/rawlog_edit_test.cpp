@@ -1,27 +1,13 @@
 /// Our plugins load into MRPT's own programs: rawlog-edit lists what we recorded, with `-p`, and not without.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <regex>
 
 #include "cli/run_support.h"
+#include "support/plugin_environment.h"
 
 using namespace loopline;
 using namespace loopline::testing;
-
-namespace {
-
-/// A program without AddressSanitizer loads a plugin that has it only if the sanitizer's own library comes
-/// first: the one that this process has loaded, if any.
-std::vector<std::string> environment_of_our_plugins() {
-    std::ifstream maps("/proc/self/maps");
-    for (std::string line; std::getline(maps, line);)
-        if (line.find("/libasan.so") != std::string::npos)
-            return {"LD_PRELOAD=" + line.substr(line.find('/')), "ASAN_OPTIONS=detect_leaks=0"};
-    return {};
-}
-
-}  // namespace
 
 TEST(RawlogEdit, lists_recorded_lines_with_our_plugin) {
     if (test::run_program({"which", "rawlog-edit"}).exit_code != 0)
@@ -31,7 +17,7 @@ TEST(RawlogEdit, lists_recorded_lines_with_our_plugin) {
     const std::string recorded = small.out() + "/recorded.rawlog";
     const auto with = test::run_program(
         {"rawlog-edit", "-p", LOOPLINE_PLUGIN_FOLDER "/libloopline_lines.so", "--info", "-i", recorded},
-        environment_of_our_plugins());
+        test::environment_of_our_plugins());
     EXPECT_EQ(with.exit_code, 0) << with.err;
     EXPECT_TRUE(std::regex_search(with.out, std::regex("Overall number of objects *: 225\n"))) << with.out;
     EXPECT_TRUE(std::regex_search(with.out, std::regex("All sensor labels *: lines\n"))) << with.out;
