@@ -246,6 +246,11 @@ TEST_F(Simulate, what_is_wrong_is_told_with_its_place_and_nothing_is_written) {
           {"--set", "simulation.sensors=lidar"});
     wrong(corridor, {"the vehicle does not arrive within 3 s"}, {"--set", "simulation.longest_s=3"});
     wrong("[run]\nrawlog = x\n", {"wrong.ini:1: a scenario has no section [run]"});
+    const auto run = run_loopline({"run", scenario(), "--out", (folder / "run").string()});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find("corridor.ini:1: an experiment has no section [simulation]; this is a scenario"),
+              std::string::npos)
+        << run.err;
     const auto missing = simulate((folder / "none.ini").string(), "w.rawlog");
     EXPECT_EQ(missing.exit_code, 2);
     EXPECT_NE(missing.err.find("there is no such file"), std::string::npos);

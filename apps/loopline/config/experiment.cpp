@@ -18,6 +18,10 @@ class Loader {
  public:
     Loader(const std::string& path, const std::vector<std::string>& overrides) : file_(read_ini_file(path)) {
         if (file_.sections.empty() && !file_.problems.empty()) throw ConfigurationError(file_.problems);
+        if (const auto* section = file_.find("simulation"))
+            throw ConfigurationError(
+                {{section->origin, "an experiment has no section [simulation]; this is a scenario, for "
+                                   "`loopline simulate`"}});
         for (const auto& assignment : overrides) apply_override(file_, assignment);
         problems_ = file_.problems;
         experiment_.config_path = path;
