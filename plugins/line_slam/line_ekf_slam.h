@@ -24,7 +24,7 @@ struct LineSlamParameters {
     double recent_m = 5;              ///< of the path, whose lines are matched with old ones
     double wake_m = 5;                ///< of the path around an old place that is seen again
     double wall_correlation_m = 2;  ///< of the path, over which a wall's unevenness looks the same
-    double max_repetitions = 40;      ///< that it counts for, at most
+    double max_repetitions = 2000;    ///< that it counts for, at most
     double overconfidence =
         10;                   ///< of the filter after a long way, that a recognised place may bring to light
     double slip_factor = 10;  ///< by which the noise of slipping wheels exceeds the model's

@@ -13,7 +13,7 @@ namespace loopline::line_slam {
 struct DriveParameters {
     double track_width_m = 0.5;    ///< l, distance of the driven wheels
     double sigma_wheel_m = 0.03;   ///< of one wheel's travel after 1 m
-    double sigma_side_m = 0.03;    ///< of the sideways motion after 1 m
+    double sigma_side_m = 0.06;    ///< of the sideways motion after 1 m
     double sigma_rest_m = 0.0005;  ///< of each, without any motion: resolution of the encoders
     double sigma_scale = 0.05;     ///< how well wheel diameters and track width are known, as a fraction
 };
