@@ -11,15 +11,19 @@ std::size_t PlanarScan::returns() const {
     return static_cast<std::size_t>(std::count_if(ranges_m.begin(), ranges_m.end(), [](float r) { return r > 0; }));
 }
 
+bool is_usable(const mrpt::obs::CObservation2DRangeScan& observation) {
+    const auto& pose = observation.sensorPose;
+    return observation.getScanSize() >= 2 && std::isfinite(observation.aperture) && observation.aperture > 0 &&
+           observation.aperture <= 2 * M_PI + 1e-3 && std::isfinite(pose.x()) && std::isfinite(pose.y()) &&
+           std::isfinite(pose.yaw());
+}
+
 bool to_planar_scan(const mrpt::obs::CObservation2DRangeScan& observation, PlanarScan& scan) {
     scan.ranges_m.clear();
+    if (!is_usable(observation)) return false;
     const std::size_t beams = observation.getScanSize();
     const auto& pose = observation.sensorPose;
     const Pose2 T_base_sensor{pose.x(), pose.y(), pose.yaw()};
-    if (beams < 2 || !std::isfinite(observation.aperture) || observation.aperture <= 0 ||
-        observation.aperture > 2 * M_PI + 1e-3 || !std::isfinite(T_base_sensor.x_m) ||
-        !std::isfinite(T_base_sensor.y_m) || !std::isfinite(T_base_sensor.phi_rad))
-        return false;
 
     scan.first_angle_rad = -0.5 * observation.aperture;
     scan.angle_step_rad = observation.aperture / static_cast<double>(beams - 1);

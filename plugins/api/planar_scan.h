@@ -32,8 +32,10 @@ struct PlanarScan {
     std::size_t returns() const;
 };
 
-/// Reads an MRPT scan into `scan`, reusing its memory. Returns false, and leaves no beam, if the scan can't be used: no beams, no finite
-/// aperture above 0, or a sensor pose that is not finite.
+/// Whether a scan can be used: some beams, a finite aperture above 0, a sensor pose that is finite.
+bool is_usable(const mrpt::obs::CObservation2DRangeScan& observation);
+
+/// Reads an MRPT scan into `scan`, reusing its memory. Returns false, and leaves no beam, if the scan can't be used.
 bool to_planar_scan(const mrpt::obs::CObservation2DRangeScan& observation, PlanarScan& scan);
 
 }  // namespace loopline

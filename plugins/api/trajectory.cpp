@@ -26,6 +26,12 @@ void Trajectory::append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T
     entries_.push_back({sequence, stamp_ns, T_map_base, covariance, T_map_base});
 }
 
+void Trajectory::replace_last(const Pose3& T_map_base, const Matrix6d& covariance) {
+    assert(!entries_.empty());
+    revise(entries_.size() - 1, T_map_base, covariance);
+    entries_.back().T_map_base_online = T_map_base;
+}
+
 void Trajectory::revise(std::size_t index, const Pose3& T_map_base, const Matrix6d& covariance) {
     assert(index < entries_.size());
     entries_[index].T_map_base = T_map_base;

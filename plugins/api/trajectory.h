@@ -28,6 +28,9 @@ class Trajectory {
     /// Adds a pose for a later observation than the last one. Online and latest estimate are the same at first.
     void append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base, const Matrix6d& covariance);
 
+    /// Replaces the last entry, its online estimate too: what was known at the time is known only now.
+    void replace_last(const Pose3& T_map_base, const Matrix6d& covariance);
+
     /// Replaces the latest estimate of entry `index` (smoothing, loop closing); the online one stays.
     /// Call `finish_revision()` after the last of a batch.
     void revise(std::size_t index, const Pose3& T_map_base, const Matrix6d& covariance);

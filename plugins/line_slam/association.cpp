@@ -4,7 +4,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+
+#include "line_slam/chi_square.h"
 
 namespace loopline::line_slam {
 namespace {
@@ -15,7 +18,8 @@ struct Candidate {
     Pairing pairing;
     Eigen::Vector2d innovation;
     Eigen::Matrix2d S;
-    double weight_m = 0;  ///< common length: how much it says, and how hard it is to be wrong about it
+    double distance2 = 0;  ///< squared Mahalanobis distance by itself
+    double weight_m = 0;   ///< common length: how much it says, and how hard it is to be wrong about it
 };
 
 std::vector<Candidate> compatible_pairings(const Ekf& filter, const MapLineRecords& records,
@@ -27,20 +31,23 @@ std::vector<Candidate> compatible_pairings(const Ekf& filter, const MapLineRecor
             const MapLineRecord& record = records[static_cast<std::size_t>(id)];
             if (!record.awake) continue;
             const LineObservation& z = observations[i];
-            const Eigen::Vector2d v =
+            const Eigen::Vector2d apart =
                 innovation(z.line, predicted_line(filter.T_map_base(), filter.line(id)));
-            if (std::abs(v.y()) > coarse_angle_rad) continue;
+            if (std::abs(apart.y()) > coarse_angle_rad) continue;
             if (!record.recent &&
-                (std::abs(v.y()) > parameters.max_surprise_rad ||
-                 std::abs(v.x() - z.line.along_m(z.middle_m()) * v.y()) > parameters.max_surprise_m))
+                (std::abs(apart.y()) > parameters.max_surprise_rad ||
+                 std::abs(apart.x() - z.line.along_m(z.middle_m()) * apart.y()) > parameters.max_surprise_m))
                 continue;
             const double common_m = overlap_m(filter.T_map_base(), filter.line(id), record.extent, z);
             if (common_m < -parameters.max_gap_m) continue;
-            const Eigen::Matrix2d S = filter.predicted_covariance(id, id) + z.covariance;
+            const FeaturePrediction f = filter.prediction(id, z);
+            const Eigen::Matrix2d S = filter.predicted_covariance(id, id) + f.noise;
             const Eigen::LLT<Eigen::Matrix2d> llt(S);
-            if (llt.info() != Eigen::Success || !(llt.matrixL().solve(v).squaredNorm() < parameters.gate))
-                continue;
-            candidates.push_back({{id, static_cast<int>(i)}, v, S, std::max(common_m, 0.1)});
+            if (llt.info() != Eigen::Success) continue;
+            const double distance2 = llt.matrixL().solve(f.innovation).squaredNorm();
+            if (!(distance2 < parameters.gate)) continue;
+            candidates.push_back(
+                {{id, static_cast<int>(i)}, f.innovation, S, distance2, std::max(common_m, 0.1)});
         }
     return candidates;
 }
@@ -82,6 +89,16 @@ class Agreed {
     }
 
     const std::vector<Pairing>& pairings() const { return pairings_; }
+    /// Squared Mahalanobis distance of all accepted innovations together.
+    double distance2() const { return whitened_innovation_.squaredNorm(); }
+    void drop_last() {
+        const auto m = S_.rows() - 2;
+        S_.conservativeResize(m, m);
+        innovation_.conservativeResize(m);
+        pairings_.pop_back();
+        llt_.compute(S_);
+        whitened_innovation_ = llt_.matrixL().solve(innovation_);
+    }
 
  private:
     /// Covariance of the accepted innovations with that of `c`.
@@ -98,6 +115,86 @@ class Agreed {
     Eigen::MatrixXd S_{0, 0};
     Eigen::VectorXd innovation_{0}, whitened_innovation_{0};
     Eigen::LLT<Eigen::MatrixXd> llt_;
+};
+
+std::vector<Pairing> nearest(const std::vector<Candidate>& candidates, std::size_t observations) {
+    std::vector<const Candidate*> best(observations, nullptr);
+    for (const Candidate& c : candidates) {
+        const Candidate*& b = best[static_cast<std::size_t>(c.pairing.observation)];
+        if (!b || c.distance2 < b->distance2) b = &c;
+    }
+    std::vector<Pairing> pairings;
+    for (const Candidate* b : best)
+        if (b) pairings.push_back(b->pairing);
+    return pairings;
+}
+
+std::vector<Pairing> sequential(const Ekf& filter, const std::vector<Candidate>& candidates,
+                                const std::vector<int>& order, double gate) {
+    Agreed agreed(filter);
+    for (const int i : order) {
+        const Candidate* best = nullptr;
+        double least = std::numeric_limits<double>::infinity();
+        for (const Candidate& c : candidates) {
+            if (c.pairing.observation != i) continue;
+            const double score = agreed.score(c, gate);
+            if (score < least) {
+                least = score;
+                best = &c;
+            }
+        }
+        if (best) agreed.accept(*best);
+    }
+    return agreed.pairings();
+}
+
+/// Joint compatibility branch and bound: of all sets of pairings whose joint distance is within the gate, one
+/// of the largest, and of these the one with the least distance.
+class BranchAndBound {
+ public:
+    BranchAndBound(const Ekf& filter, const std::vector<Candidate>& candidates, const std::vector<int>& order,
+                   double probability)
+        : candidates_(candidates), order_(order), probability_(probability), hypothesis_(filter) {
+        descend(0);
+    }
+    const std::vector<Pairing>& best() const { return best_; }
+
+ private:
+    void descend(std::size_t depth) {
+        if (depth == order_.size()) {
+            const double distance2 = hypothesis_.distance2();
+            const std::size_t size = hypothesis_.pairings().size();
+            if (size > best_.size() || (size == best_.size() && distance2 < best_distance2_)) {
+                best_ = hypothesis_.pairings();
+                best_distance2_ = distance2;
+            }
+            return;
+        }
+        // Distances only grow: what can't get larger than the best must at least stay nearer.
+        const auto can_win = [&](std::size_t more) {
+            const std::size_t reach = hypothesis_.pairings().size() + more;
+            return reach > best_.size() ||
+                   (reach == best_.size() && hypothesis_.distance2() < best_distance2_);
+        };
+        for (const Candidate& c : candidates_) {
+            if (c.pairing.observation != order_[depth] || ++nodes_ > max_nodes) continue;
+            if (!can_win(order_.size() - depth)) return;
+            const double degrees = 2 * static_cast<double>(hypothesis_.pairings().size() + 1);
+            hypothesis_.accept(c);
+            if (hypothesis_.distance2() < chi_square_quantile(degrees, probability_)) descend(depth + 1);
+            hypothesis_.drop_last();
+        }
+        if (can_win(order_.size() - depth - 1)) descend(depth + 1);
+    }
+
+    static constexpr int max_nodes = 20'000;  // a crowd of alike walls must not stop the run
+    const std::vector<Candidate>& candidates_;
+    const std::vector<int>& order_;
+    double probability_;
+    Agreed hypothesis_;
+    std::vector<Pairing> best_;
+    double best_distance2_ = std::numeric_limits<double>::infinity();
+    int nodes_ = 0;
 };
 
 }  // namespace
@@ -122,31 +219,25 @@ Association associate(const Ekf& filter, const MapLineRecords& records,
         result.is_compatible[i] = true;
         weight_m[i] = std::max(weight_m[i], c.weight_m);
     }
-    std::vector<std::size_t> order(observations.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return weight_m[a] > weight_m[b]; });
-
-    Agreed agreed(filter);
-    for (const std::size_t i : order) {
-        if (!result.is_compatible[i]) continue;
-        const Candidate* best = nullptr;
-        double least = std::numeric_limits<double>::infinity();
-        for (const Candidate& c : candidates) {
-            if (c.pairing.observation != static_cast<int>(i)) continue;
-            const double score = agreed.score(c, parameters.gate);
-            if (score < least) {
-                least = score;
-                best = &c;
-            }
-        }
-        if (!best) {
-            ++result.refused;
-            continue;
-        }
-        agreed.accept(*best);
+    // The longest first: they are the hardest to be wrong about.
+    std::vector<int> order;
+    for (std::size_t i = 0; i < observations.size(); ++i)
+        if (result.is_compatible[i]) order.push_back(static_cast<int>(i));
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+        return weight_m[static_cast<std::size_t>(a)] > weight_m[static_cast<std::size_t>(b)];
+    });
+    switch (parameters.method) {
+        case AssociationMethod::nearest:
+            result.pairings = nearest(candidates, observations.size());
+            break;
+        case AssociationMethod::sequential:
+            result.pairings = sequential(filter, candidates, order, parameters.gate);
+            break;
+        case AssociationMethod::jcbb:
+            result.pairings = BranchAndBound(filter, candidates, order, parameters.probability).best();
+            break;
     }
-    result.pairings = agreed.pairings();
+    result.refused = static_cast<int>(order.size() - result.pairings.size());
     std::sort(result.pairings.begin(), result.pairings.end(),
               [](const Pairing& a, const Pairing& b) { return a.observation < b.observation; });
     return result;

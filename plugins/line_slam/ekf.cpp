@@ -22,15 +22,15 @@ Eigen::MatrixXd without(const Eigen::MatrixXd& matrix, Eigen::Index first, Eigen
 
 }  // namespace
 
-Ekf::Ekf(const DriveParameters& drive)
-    : drive_(drive),
+Ekf::Ekf(const EkfParameters& parameters)
+    : parameters_(parameters),
       P_aa_(Eigen::MatrixXd::Zero(head, head)),
       P_ab_(head, 0),
       P_bb_(0, 0),
       phi_(Eigen::MatrixXd::Identity(head, head)),
       psi_(Eigen::MatrixXd::Zero(head, head)),
       chi_(Eigen::VectorXd::Zero(head)) {
-    P_aa_.diagonal().segment<3>(3).setConstant(drive.sigma_scale * drive.sigma_scale);
+    P_aa_.diagonal().segment<3>(3).setConstant(std::pow(parameters.drive.sigma_scale, 2));
 }
 
 Eigen::Matrix3d Ekf::pose_covariance() const {
@@ -47,36 +47,43 @@ Eigen::Matrix2d Ekf::line_covariance(int id) const {
 Eigen::Matrix2d Ekf::predicted_covariance(int id_i, int id_j) const {
     assert(is_active(id_i) && is_active(id_j));
     const Eigen::Index i = row(slot(id_i).position), j = row(slot(id_j).position);
-    const ObservationJacobians H_i = observation_jacobians(T_map_base_, line(id_i));
-    const ObservationJacobians H_j = observation_jacobians(T_map_base_, line(id_j));
+    const ObservationJacobians H_i = feature_jacobians(parameters_.feature, T_map_base_, line(id_i));
+    const ObservationJacobians H_j = feature_jacobians(parameters_.feature, T_map_base_, line(id_j));
     const Matrix23 with_pose = H_i.pose * P_aa_.topLeftCorner<3, 3>() + H_i.line * P_aa_.block<2, 3>(i, 0);
     const Eigen::Matrix2d with_line = H_i.pose * P_aa_.block<3, 2>(0, j) + H_i.line * P_aa_.block<2, 2>(i, j);
     return with_pose * H_j.pose.transpose() + with_line * H_j.line.transpose();
 }
 
-void Ekf::predict(const WheelTravel& travel) {
-    const Pose2 T_old_new = moved(travel, drive_.track_width_m, calibration_);
-    const MotionJacobians J = motion_jacobians(travel, drive_.track_width_m, calibration_);
+void Ekf::predict(const std::vector<MotionPiece>& motion) {
+    motion_error_noise_.setZero();
+    motion_error_covariance_.setZero();
+    for (const MotionPiece& piece : motion) predict_piece(piece);
+}
+
+void Ekf::predict_piece(const MotionPiece& piece) {
+    const WheelTravel& travel = piece.travel;
+    const Pose2 T_old_new = moved(travel, parameters_.drive.track_width_m, calibration_);
+    const MotionJacobians J = motion_jacobians(travel, parameters_.drive.track_width_m, calibration_);
     // A change of the increment's (x, y, phi) as an error on its left, and that as one on the new pose's
     // left.
     Eigen::Matrix3d from_coordinates = Eigen::Matrix3d::Identity();
     from_coordinates.topRightCorner<2, 1>() = -turned_left(T_old_new.translation());
     const Eigen::Matrix3d to_error = adjoint(T_map_base_) * from_coordinates;
-    const Eigen::Matrix3d Q = travel_covariance(travel, drive_);
+    const Eigen::Matrix3d& Q = piece.covariance;
     // Only a turn that stands out of its noise tells of the track width; noise taken for a turn would teach a
     // wrong one.
     const double turn_m = travel.right_m - travel.left_m;
-    const double signal = std::pow(turn_m, 4), noise = std::pow(9 * (Q(0, 0) + Q(1, 1)), 2);
-    const Eigen::Vector3d credible(1, 1, signal / (signal + noise));
+    const double signal = std::pow(turn_m, 4), chance = std::pow(9 * (Q(0, 0) + Q(1, 1)), 2);
+    const Eigen::Vector3d credible(1, 1, signal / (signal + chance));
     const Eigen::Matrix3d F_calibration = to_error * J.calibration * credible.asDiagonal();
     const Eigen::Matrix3d G = to_error * J.travel;
-    motion_error_noise_ = G * Q * G.transpose();
-    motion_error_covariance_ =
-        motion_error_noise_ + F_calibration * P_aa_.block<3, 3>(3, 3) * F_calibration.transpose();
+    const Eigen::Matrix3d noise = G * Q * G.transpose();
+    motion_error_noise_ += noise;
+    motion_error_covariance_ += noise + F_calibration * P_aa_.block<3, 3>(3, 3) * F_calibration.transpose();
 
     P_aa_.topRows<3>() += F_calibration * P_aa_.middleRows<3>(3);
     P_aa_.leftCols<3>() += P_aa_.middleCols<3>(3) * F_calibration.transpose();
-    P_aa_.topLeftCorner<3, 3>() += motion_error_noise_;
+    P_aa_.topLeftCorner<3, 3>() += noise;
     phi_.topRows<3>() += F_calibration * phi_.middleRows<3>(3);
     T_map_base_ = T_map_base_ * T_old_new;
 }
@@ -90,21 +97,27 @@ bool Ekf::update(const std::vector<Pairing>& pairings, const std::vector<LineObs
     const auto m = 2 * static_cast<Eigen::Index>(pairings.size());
     Eigen::MatrixXd PHt(P_aa_.rows(), m), H_phi(m, phi_.cols()), S(m, m);
     Eigen::VectorXd v(m);
-    std::vector<ObservationJacobians> H;
+    std::vector<FeaturePrediction> f;
     for (std::size_t k = 0; k < pairings.size(); ++k) {
         const Eigen::Index at = 2 * static_cast<Eigen::Index>(k), r = row(slot(pairings[k].line).position);
         const LineObservation& z = observations[static_cast<std::size_t>(pairings[k].observation)];
-        H.push_back(observation_jacobians(T_map_base_, line(pairings[k].line)));
+        f.push_back(predict_feature(parameters_.feature, T_map_base_, line(pairings[k].line), z,
+                                    z.covariance + z.surplus));
+        const ObservationJacobians& H = f[k].H;
         PHt.middleCols<2>(at) =
-            P_aa_.leftCols<3>() * H[k].pose.transpose() + P_aa_.middleCols<2>(r) * H[k].line.transpose();
-        H_phi.middleRows<2>(at) = H[k].pose * phi_.topRows<3>() + H[k].line * phi_.middleRows<2>(r);
-        v.segment<2>(at) = innovation(z.line, predicted_line(T_map_base_, line(pairings[k].line)));
+            P_aa_.leftCols<3>() * H.pose.transpose() + P_aa_.middleCols<2>(r) * H.line.transpose();
+        H_phi.middleRows<2>(at) = H.pose * phi_.topRows<3>() + H.line * phi_.middleRows<2>(r);
+        v.segment<2>(at) = f[k].innovation;
     }
+    S.setZero();
     for (std::size_t k = 0; k < pairings.size(); ++k) {
         const Eigen::Index at = 2 * static_cast<Eigen::Index>(k), r = row(slot(pairings[k].line).position);
-        S.middleRows<2>(at) = H[k].pose * PHt.topRows<3>() + H[k].line * PHt.middleRows<2>(r);
-        const LineObservation& z = observations[static_cast<std::size_t>(pairings[k].observation)];
-        S.block<2, 2>(at, at) += z.covariance + z.surplus;
+        const ObservationJacobians& H = f[k].H;
+        if (parameters_.update == Update::joint)
+            S.middleRows<2>(at) = H.pose * PHt.topRows<3>() + H.line * PHt.middleRows<2>(r);
+        else
+            S.block<2, 2>(at, at) = H.pose * PHt.block<3, 2>(0, at) + H.line * PHt.block<2, 2>(r, at);
+        S.block<2, 2>(at, at) += f[k].noise;
     }
     return apply(PHt, H_phi, S, v);
 }

@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "line_slam/line_observation.h"
+#include "line_slam/feature.h"
 #include "line_slam/motion_model.h"
 
 namespace loopline::line_slam {
@@ -23,10 +23,22 @@ struct Pairing {
     int observation = 0;  ///< index within the scan
 };
 
+/// How all pairings of a scan enter the state. `paper_sum` is eq. (14)-(16) as printed: gains that were each
+/// computed from the same prior covariance are added up, as if the pairings did not know of one another. The
+/// covariance gets too small, and may lose its positive definiteness.
+enum class Update { joint, paper_sum };
+
+struct EkfParameters {
+    DriveParameters drive;
+    Feature feature = Feature::line;
+    Update update = Update::joint;
+};
+
 class Ekf {
  public:
     /// At the origin of the map, without error: the map frame is the first pose.
-    explicit Ekf(const DriveParameters& drive);
+    explicit Ekf(const EkfParameters& parameters);
+    explicit Ekf(const DriveParameters& drive) : Ekf(EkfParameters{drive, Feature::line, Update::joint}) {}
 
     const Pose2& T_map_base() const { return T_map_base_; }
     const WheelCalibration& calibration() const { return calibration_; }
@@ -47,9 +59,18 @@ class Ekf {
     Eigen::Matrix2d line_covariance(int id) const;
     /// H_i P H_j^T of two active lines' observations, eq. (12) without R.
     Eigen::Matrix2d predicted_covariance(int id_i, int id_j) const;
+    /// v of eq. (13), and its R, of one sighting by itself.
+    FeaturePrediction prediction(int id, const LineObservation& observation) const {
+        return predict_feature(parameters_.feature, T_map_base_, line(id), observation,
+                               observation.covariance);
+    }
 
-    /// Eq. (3)-(6).
-    void predict(const WheelTravel& travel);
+    /// Eq. (3)-(6), piece by piece.
+    void predict(const std::vector<MotionPiece>& motion);
+    /// The same for one piece with the drive's own noise.
+    void predict(const WheelTravel& travel) {
+        predict({MotionPiece{travel, travel_covariance(travel, parameters_.drive)}});
+    }
 
     /// What the last motion added to the pose's error: noise and calibration.
     const Eigen::Matrix3d& motion_error_covariance() const { return motion_error_covariance_; }
@@ -82,6 +103,8 @@ class Ekf {
     bool is_sound() const;
 
  private:
+    void predict_piece(const MotionPiece& piece);
+
     enum class Part { active, passive, gone };
     struct Slot {
         Part part;
@@ -99,7 +122,7 @@ class Ekf {
     void bring_passive_up_to_date();
     void renumber();
 
-    DriveParameters drive_;
+    EkfParameters parameters_;
     Pose2 T_map_base_;
     WheelCalibration calibration_;
     std::vector<PlanarLine> lines_;  ///< by id

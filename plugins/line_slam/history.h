@@ -11,8 +11,9 @@ namespace loopline::line_slam {
 constexpr int no_track = -1;
 
 struct HistoryStep {
-    WheelTravel travel;  ///< since the previous step, as measured
-    Pose2 T_map_base;    ///< what the filter knew
+    WheelTravel travel;  ///< since the previous step, as measured: of one arc, whatever the pieces were
+    Eigen::Matrix3d travel_covariance = Eigen::Matrix3d::Zero();
+    Pose2 T_map_base;  ///< what the filter knew
     std::vector<LineObservation> observations;
     std::vector<int> tracks;  ///< per observation: which wall, or no_track
 };

@@ -3,25 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "line_slam/chi_square.h"
+
 namespace loopline::line_slam {
-namespace {
-
-/// 0.999 quantile of chi-square. Wilson and Hilferty 1931.
-double chi_square_999(double degrees_of_freedom) {
-    const double h = 2 / (9 * degrees_of_freedom), z = 3.0902;
-    return degrees_of_freedom * std::pow(1 - h + z * std::sqrt(h), 3);
-}
-
-}  // namespace
-
 LineEkfSlam::LineEkfSlam(const LineSlamParameters& parameters)
-    : parameters_(parameters), filter_(parameters.drive), tentative_(parameters.tentative) {
+    : parameters_(parameters),
+      filter_(EkfParameters{parameters.drive, parameters.feature, parameters.update}),
+      tentative_(parameters.tentative) {
     history_.drive = parameters.drive;
 }
 
 SlamStatus LineEkfSlam::step(const Pose2& T_previous_base, std::vector<LineObservation> observations) {
-    predict(T_previous_base);
-    discount_repetition(T_previous_base.translation().norm(), observations);
+    const WheelTravel travel = wheel_travel(T_previous_base, parameters_.drive.track_width_m);
+    return step({{travel, travel_covariance(travel, parameters_.drive)}}, std::move(observations));
+}
+
+SlamStatus LineEkfSlam::step(const std::vector<MotionPiece>& motion,
+                             std::vector<LineObservation> observations) {
+    const double way_m = predict(motion);
+    discount_repetition(way_m, observations);
     activate_surroundings(observations);
     const Association association = associate_or_doubt_wheels(observations);
     if (!association.pairings.empty()) {
@@ -51,13 +51,23 @@ SlamStatus LineEkfSlam::step(const Pose2& T_previous_base, std::vector<LineObser
     return filter_.is_sound() ? SlamStatus::good : SlamStatus::diverged;
 }
 
-void LineEkfSlam::predict(const Pose2& T_previous_base) {
-    const WheelTravel travel = wheel_travel(T_previous_base, parameters_.drive.track_width_m);
-    filter_.predict(travel);
-    path_m_ += T_previous_base.translation().norm();
+double LineEkfSlam::predict(const std::vector<MotionPiece>& motion) {
+    filter_.predict(motion);
     ++counts_.predictions;
     history_.steps.emplace_back();
-    history_.steps.back().travel = travel;
+    HistoryStep& recorded = history_.steps.back();
+    const double track_width_m = parameters_.drive.track_width_m;
+    Pose2 T_previous_base;
+    double way_m = 0;
+    for (const MotionPiece& piece : motion) {
+        const Pose2 T_piece = moved(piece.travel, track_width_m);
+        T_previous_base = T_previous_base * T_piece;
+        recorded.travel_covariance += piece.covariance;
+        way_m += T_piece.translation().norm();
+    }
+    recorded.travel = motion.size() == 1 ? motion[0].travel : wheel_travel(T_previous_base, track_width_m);
+    path_m_ += way_m;
+    return way_m;
 }
 
 /// A wall's unevenness looks the same from the next scan: over one correlation length of the path, all
@@ -187,7 +197,7 @@ bool LineEkfSlam::merge(const Recognition& recognition) {
         gone_lines.push_back(filter_.line(gone));
     }
     const double bound = parameters_.overconfidence * parameters_.overconfidence *
-                         chi_square_999(2 * static_cast<double>(walls.size()));
+                         chi_square_quantile(2 * static_cast<double>(walls.size()), 0.999);
     if (walls.empty() || filter_.same_wall_distance2(walls) > bound || !filter_.merge(walls)) return false;
     for (std::size_t k = 0; k < walls.size(); ++k) {
         MapLineRecord& keep = records_[static_cast<std::size_t>(walls[k].kept)];

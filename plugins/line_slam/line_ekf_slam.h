@@ -15,16 +15,18 @@ namespace loopline::line_slam {
 
 struct LineSlamParameters {
     DriveParameters drive;
+    Feature feature = Feature::line;
+    Update update = Update::joint;
     AssociationParameters association;
     TentativeParameters tentative;
     double sigma_wall_m = 0.015;  ///< how far a wall is from straight
     RecognitionParameters recognition;
     double drift_m_per_m = 0.02;  ///< what place recognition reckons with, since a place was seen
     double drift_rad_per_m = 0.002;
-    double recent_m = 5;              ///< of the path, whose lines are matched with old ones
-    double wake_m = 5;                ///< of the path around an old place that is seen again
+    double recent_m = 5;            ///< of the path, whose lines are matched with old ones
+    double wake_m = 5;              ///< of the path around an old place that is seen again
     double wall_correlation_m = 2;  ///< of the path, over which a wall's unevenness looks the same
-    double max_repetitions = 2000;    ///< that it counts for, at most
+    double max_repetitions = 2000;  ///< that it counts for, at most
     double overconfidence =
         10;                   ///< of the filter after a long way, that a recognised place may bring to light
     double slip_factor = 10;  ///< by which the noise of slipping wheels exceeds the model's
@@ -43,8 +45,10 @@ class LineEkfSlam {
  public:
     explicit LineEkfSlam(const LineSlamParameters& parameters);
 
-    /// One scan: `T_previous_base` is the odometry since the scan before, `observations` its lines in the
+    /// One step of the filter: the motion since the step before, and the lines of the scan at its end in the
     /// base frame.
+    SlamStatus step(const std::vector<MotionPiece>& motion, std::vector<LineObservation> observations);
+    /// The same with a motion by measured wheels in one piece.
     SlamStatus step(const Pose2& T_previous_base, std::vector<LineObservation> observations);
 
     const Ekf& filter() const { return filter_; }
@@ -53,7 +57,8 @@ class LineEkfSlam {
     const LineSlamCounts& counts() const { return counts_; }
 
  private:
-    void predict(const Pose2& T_previous_base);
+    /// Returns the length of the way.
+    double predict(const std::vector<MotionPiece>& motion);
     void discount_repetition(double way_m, std::vector<LineObservation>& observations) const;
     Association associate_or_doubt_wheels(const std::vector<LineObservation>& observations);
     bool may_be_seen(int id, const std::vector<LineObservation>& observations, double reach_m) const;

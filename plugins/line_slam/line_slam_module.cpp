@@ -1,13 +1,16 @@
 #include "line_slam/line_slam_module.h"
 
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "line_slam/chi_square.h"
 #include "line_slam/line_input.h"
 #include "lines/observation_lines.h"
+#include "odometry/twist2.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(LineSlam, Module, loopline)
@@ -39,6 +42,12 @@ mrpt::obs::CObservationRobotPose::Ptr pose_observation(const Pose2& T_map_base,
     return observation;
 }
 
+// As in the paper's dialog, figure 3.
+constexpr const char* regime_keys[regime_count] = {"straight", "turn_left", "turn_right"};
+constexpr const char* regime_words[regime_count] = {"driving straight", "turning left", "turning right"};
+/// What a log's comments say when the regime changes.
+constexpr const char* command_words[regime_count] = {"straight", "left", "right"};
+
 MapLine map_line(const PlanarLine& line, const Eigen::Matrix2d& covariance, const Extent& extent,
                  int observations, std::uint64_t id) {
     MapLine m;
@@ -58,20 +67,58 @@ ModuleInfo LineSlam::info() const {
     return {"line_slam",
             "EKF-SLAM on straight walls and wheel odometry, smoothed at the end of the log.",
             {"CObservationLines", "CObservationOdometry"},
-            {},
+            {"CObservationComment"},
             {"CObservationRobotPose"}};
 }
 
 ParameterTable LineSlam::parameters() {
+    using Kind = IntervalParameters::Kind;
+    using Control = IntervalParameters::Control;
     auto& drive = slam_parameters_.drive;
-    return ParameterTable("line_slam", info().sentence)
+    auto& interval = interval_parameters_;
+    ParameterTable table("line_slam", info().sentence);
+    table
+        .integer(
+            "interval_scans", interval.scans, {1, 1000},
+            "Scans from one step of the filter to the next, N of Hu 2012; with interval = adaptive: at most.")
+        .choice("interval", interval.kind, {{"fixed", Kind::fixed}, {"adaptive", Kind::adaptive}},
+                "Every N-th scan, or as soon as the way, the turn or the uncertainty since the last step "
+                "asks for it.")
+        .real("adaptive_way_m", interval.max_way_m, {0, 100},
+              "Way since the last step that asks for the next.")
+        .angle("adaptive_turn_deg", interval.max_turn_rad, {0, 180},
+               "Turn since the last step that asks for the next.")
+        .real("adaptive_sigma_m", interval.max_sigma_m, {0, 100},
+              "Standard deviation of the difference of both wheels' travel that asks for the next step.")
+        .choice("control", interval.control,
+                {{"measured", Control::measured}, {"commanded", Control::commanded}},
+                "What the motion is predicted from: the odometry, or the speeds that belong to each regime.")
+        .boolean("re_prediction", interval.re_prediction,
+                 "Predict in pieces where the wheel speeds change within an interval; without it, the speeds "
+                 "at its "
+                 "beginning hold for all of it.")
+        .choice("feature", slam_parameters_.feature,
+                {{"line", Feature::line}, {"foot_point", Feature::foot_point}},
+                "How a wall is measured: distance and direction of the line, or the paper's foot point seen "
+                "from the "
+                "map's origin.")
+        .choice("update", slam_parameters_.update,
+                {{"joint", Update::joint}, {"paper_sum", Update::paper_sum}},
+                "All lines of a scan at once, or the paper's sum of gains that do not know of one another.")
+        .choice("association", slam_parameters_.association.method,
+                {{"sequential", AssociationMethod::sequential},
+                 {"nearest", AssociationMethod::nearest},
+                 {"jcbb", AssociationMethod::jcbb}},
+                "Lines of a scan are paired with the map each given the longer ones, each by itself (the "
+                "paper), or "
+                "by joint compatibility branch and bound.")
         .real("track_width_m", drive.track_width_m, Range::positive(), "Distance of the driven wheels.")
         .real("sigma_wheel_m", drive.sigma_wheel_m, {0, 10},
               "Standard deviation of one wheel's travel after 1 m; variances grow in proportion to the way.")
         .real("sigma_side_m", drive.sigma_side_m, {0, 10},
               "Standard deviation of sideways motion after 1 m of travel.")
         .real("sigma_rest_m", drive.sigma_rest_m, {1e-6, 1},
-              "Standard deviation of each of these between two scans without any motion.")
+              "Standard deviation of each of these between two steps without any motion.")
         .real(
             "sigma_scale", drive.sigma_scale, {1e-6, 1},
             "How well wheel diameters and track width are known, as a fraction; their errors are estimated.")
@@ -83,99 +130,195 @@ ParameterTable LineSlam::parameters() {
               "Gap between the seen part of a map line and an observation, up to which it can be the same "
               "wall.")
         .integer("support_scans", slam_parameters_.tentative.scans, {1, 1000},
-                 "Scans that must have seen a line before it enters the state.")
+                 "Steps that must have seen a line before it enters the state.")
         .boolean("smoothing", smoothing_, "Smooth the whole path at the end of the log.");
+    for (int r = 0; r < regime_count; ++r) {
+        RegimeParameters& p = interval.regimes[static_cast<std::size_t>(r)];
+        const std::string name = regime_keys[r], way = regime_words[r];
+        table
+            .real(name + "_left_mps", p.commanded.left_mps, {-100, 100},
+                  "Left wheel's speed " + way + ", for control = commanded.")
+            .real(name + "_right_mps", p.commanded.right_mps, {-100, 100},
+                  "Right wheel's speed " + way + ", for control = commanded.")
+            .real(name + "_slip_left", p.slip_left, {-1, 1},
+                  "Part of the left wheel's travel that is lost " + way + ".")
+            .real(name + "_slip_right", p.slip_right, {-1, 1},
+                  "Part of the right wheel's travel that is lost " + way + ".")
+            .real(
+                name + "_sigma_left_m", p.sigma_left_m, {0, 10},
+                "Standard deviation of the left wheel's travel after 1 m " + way + "; 0 takes sigma_wheel_m.")
+            .real(name + "_sigma_right_m", p.sigma_right_m, {0, 10},
+                  "Standard deviation of the right wheel's travel after 1 m " + way +
+                      "; 0 takes sigma_wheel_m.");
+    }
+    return table;
+}
+
+std::string LineSlam::check() const {
+    if (interval_parameters_.control != IntervalParameters::Control::commanded) return {};
+    for (const RegimeParameters& r : interval_parameters_.regimes)
+        if (r.commanded.left_mps == 0 && r.commanded.right_mps == 0)
+            return "control = commanded needs the wheel speeds of all three regimes (straight_left_mps, "
+                   "straight_right_mps, turn_left_left_mps, ...)";
+    return {};
 }
 
 void LineSlam::start(const RunContext&) {
-    const double gate =
-        -2 * std::log(1 - gate_probability_);  // quantile of chi-square, two degrees of freedom
+    const double gate = chi_square_quantile(2, gate_probability_);
     slam_parameters_.association.gate = gate;
+    slam_parameters_.association.probability = gate_probability_;
     slam_parameters_.tentative.gate = gate;
     slam_parameters_.tentative.max_gap_m = slam_parameters_.association.max_gap_m;
     smoother_parameters_.pairing.gate = gate;
     smoother_parameters_.pairing.max_gap_m = slam_parameters_.association.max_gap_m;
     smoother_parameters_.min_observations = slam_parameters_.tentative.scans;
     slam_ = std::make_unique<LineEkfSlam>(slam_parameters_);
+    interval_ = std::make_unique<WideInterval>(interval_parameters_, slam_parameters_.drive);
 }
 
-void LineSlam::process(const StreamItem& item, Publisher& publisher) {
-    if (status_ != SlamStatus::good) return;
-    const auto* observation = item.observation.get();
-    if (const auto* lines = dynamic_cast<const CObservationLines*>(observation)) {
-        auto& [sequence, scan] = scan_of(item, Part::lines);
-        take_lines(*lines, scan);
-        newest_lines_ = sequence;
-    } else if (const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(observation);
-               odometry && odometry->sensorLabel == odometry_label) {
-        scan_of(item, Part::odometry).second.T_odom_base =
-            Pose2{odometry->odometry.x(), odometry->odometry.y(), wrap_to_pi(odometry->odometry.phi())};
-    } else {
-        newest_item_ = std::max(item.sequence, newest_item_.value_or(0));
-        return;
-    }
-    // A scan without lines is known to be one when lines of a later scan have come.
-    while (!waiting_.empty() && status_ == SlamStatus::good) {
-        const auto first = waiting_.begin();
-        if (!first->second.T_odom_base || (!first->second.lines && newest_lines_ <= first->first)) break;
-        estimate(first->first, first->second, publisher);
-        waiting_.erase(first);
-    }
-}
-
-std::pair<const std::uint64_t, LineSlam::Scan>& LineSlam::scan_of(const StreamItem& item, Part part) {
+LineSlam::Scan& LineSlam::waiting_scan(const StreamItem& item, Part part) {
     // What a module publishes carries the sequence of a scan that has gone by; what a log holds has its own.
     const bool recorded = !newest_item_ || item.sequence > *newest_item_;
     newest_item_ = std::max(item.sequence, newest_item_.value_or(0));
     if (recorded)
-        for (auto& waiting : waiting_) {
-            const Scan& scan = waiting.second;
-            const bool has_part = part == Part::lines ? scan.lines.has_value() : scan.T_odom_base.has_value();
-            if (scan.stamp_ns == item.stamp_ns && !has_part) return waiting;
+        for (Scan& scan : waiting_) {
+            const bool has_part = part == Part::lines ? scan.lines != nullptr : scan.T_odom_base.has_value();
+            if (scan.stamp_ns == item.stamp_ns && !has_part) return scan;
         }
-    auto& waiting = *waiting_.try_emplace(item.sequence).first;
-    waiting.second.stamp_ns = item.stamp_ns;
-    waiting.second.timestamp = item.observation->timestamp;
-    return waiting;
+    auto place =
+        std::lower_bound(waiting_.begin(), waiting_.end(), item.sequence,
+                         [](const Scan& s, std::uint64_t sequence) { return s.sequence < sequence; });
+    if (place == waiting_.end() || place->sequence != item.sequence) {
+        place = waiting_.emplace(place);
+        place->sequence = item.sequence;
+        place->commanded = commanded_;
+    }
+    place->stamp_ns = item.stamp_ns;
+    place->timestamp = item.observation->timestamp;
+    return *place;
+}
+
+void LineSlam::take_command(const std::string& text) {
+    for (int r = 0; r < regime_count; ++r)
+        if (text == command_words[r]) commanded_ = static_cast<Regime>(r);
+}
+
+void LineSlam::process(const StreamItem& item, Publisher& publisher) {
+    if (status_ != SlamStatus::good) return;
+    if (const auto lines = std::dynamic_pointer_cast<const CObservationLines>(item.observation)) {
+        Scan& scan = waiting_scan(item, Part::lines);
+        scan.lines = lines;
+        newest_lines_ = scan.sequence;
+    } else if (const auto* odometry =
+                   dynamic_cast<const mrpt::obs::CObservationOdometry*>(item.observation.get());
+               odometry && odometry->sensorLabel == odometry_label) {
+        waiting_scan(item, Part::odometry).T_odom_base =
+            Pose2{odometry->odometry.x(), odometry->odometry.y(), wrap_to_pi(odometry->odometry.phi())};
+    } else {
+        newest_item_ = std::max(item.sequence, newest_item_.value_or(0));
+        if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(item.observation.get()))
+            take_command(comment->text);
+        return;
+    }
+    while (!waiting_.empty() && status_ == SlamStatus::good) {
+        const Scan& first = waiting_.front();
+        if (first.T_odom_base && first.lines) {
+            estimate(first, publisher);
+        } else if (first.lines || newest_lines_ <= first.sequence) {
+            break;
+        }  // else: of a laser whose lines nobody extracts, since lines of a later scan have come
+        waiting_.pop_front();
+    }
 }
 
 void LineSlam::drain(Publisher& publisher) {
-    for (const auto& [sequence, scan] : waiting_)
-        if (status_ == SlamStatus::good) estimate(sequence, scan, publisher);
+    for (const Scan& scan : waiting_)
+        if (status_ == SlamStatus::good && scan.lines) estimate(scan, publisher);
     waiting_.clear();
+    // The last interval may be a short one.
+    if (status_ == SlamStatus::good && since_step_) step(*since_step_, publisher);
 }
 
-void LineSlam::take_lines(const CObservationLines& observation, Scan& scan) const {
-    const Pose2 T_base_sensor{observation.sensor_pose.x(), observation.sensor_pose.y(),
-                              observation.sensor_pose.yaw()};
-    scan.lines.emplace();
-    for (const lines::LineSegment& segment : observation.segments)
-        scan.lines->push_back(observation_in_base(segment, T_base_sensor, slam_parameters_.sigma_wall_m));
+std::vector<LineObservation> LineSlam::observations_in_base(const CObservationLines& lines) const {
+    const Pose2 T_base_sensor{lines.sensor_pose.x(), lines.sensor_pose.y(), lines.sensor_pose.yaw()};
+    std::vector<LineObservation> observations;
+    for (const lines::LineSegment& segment : lines.segments())
+        observations.push_back(observation_in_base(segment, T_base_sensor, slam_parameters_.sigma_wall_m));
+    return observations;
 }
 
-void LineSlam::estimate(std::uint64_t sequence, const Scan& scan, Publisher& publisher) {
-    Pose2 T_previous_base;
+void LineSlam::estimate(const Scan& scan, Publisher& publisher) {
+    ScanMotion motion;
+    motion.commanded = scan.commanded;
+    if (!trajectory_.empty()) motion.duration_s = seconds_between(previous_stamp_ns_, scan.stamp_ns);
+    previous_stamp_ns_ = scan.stamp_ns;
     if (!scan.T_odom_base) {
         ++without_odometry_;
     } else {
-        if (T_odom_previous_) T_previous_base = T_odom_previous_->inverse() * *scan.T_odom_base;
+        if (T_odom_previous_) motion.T_previous_base = T_odom_previous_->inverse() * *scan.T_odom_base;
         T_odom_previous_ = scan.T_odom_base;
     }
-    status_ = slam_->step(T_previous_base, scan.lines.value_or(std::vector<LineObservation>{}));
-    if (status_ != SlamStatus::good) return;
-
-    const Pose2& T_map_base = slam_->filter().T_map_base();
-    const Eigen::Matrix3d covariance = slam_->filter().pose_covariance();
-    trajectory_.append(sequence, scan.stamp_ns, Pose3(T_map_base), spatial_covariance(covariance));
-    const auto published = pose_observation(T_map_base, covariance);
-    published->timestamp = scan.timestamp;
-    publisher.publish(published, sequence);
+    const bool due = interval_->add(motion) || trajectory_.empty();
+    const Pose2 T_map_base = slam_->filter().T_map_base() * interval_->T_step_base();
+    places_.push_back({interval_->T_step_base(), false});
+    trajectory_.append(scan.sequence, scan.stamp_ns, Pose3(T_map_base), Matrix6d::Zero());
+    since_step_ = scan;
+    if (due) step(scan, publisher);
 }
 
+/// Of the filter, at the latest scan of the trajectory.
+void LineSlam::step(const Scan& scan, Publisher& publisher) {
+    status_ = slam_->step(interval_->pieces(), observations_in_base(*scan.lines));
+    interval_->restart();
+    since_step_.reset();
+    if (status_ != SlamStatus::good) return;
+    places_.back().is_step = true;
+    const Pose2& T_map_base = slam_->filter().T_map_base();
+    const Eigen::Matrix3d covariance = slam_->filter().pose_covariance();
+    trajectory_.replace_last(Pose3(T_map_base), spatial_covariance(covariance));
+    const auto published = pose_observation(T_map_base, covariance);
+    published->timestamp = scan.timestamp;
+    publisher.publish(published, scan.sequence);
+}
+
+/// Steps take the smoothed poses, scans between them what the wheels say, bent so that it leads from one step
+/// to the next.
 void LineSlam::revise_trajectory(const SmoothedPath& smoothed) {
-    for (std::size_t k = 0; k < trajectory_.size(); ++k)
-        trajectory_.revise(k, Pose3(smoothed.poses[k]), spatial_covariance(smoothed.covariances[k]));
+    std::size_t step = 0, last = 0;
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+        if (!places_[k].is_step) continue;
+        trajectory_.revise(k, Pose3(smoothed.poses[step]), spatial_covariance(smoothed.covariances[step]));
+        if (step > 0) revise_between(last, k);
+        last = k;
+        ++step;
+    }
     trajectory_.finish_revision();
+}
+
+void LineSlam::revise_between(std::size_t from, std::size_t to) {
+    const auto& entries = trajectory_.entries();
+    const Pose2 T_map_from = entries[from].T_map_base.planar(), T_map_to = entries[to].T_map_base.planar();
+    const Twist2 bend = log_se2((T_map_from * places_[to].T_step_base).inverse() * T_map_to);
+    for (std::size_t k = from + 1; k < to; ++k) {
+        const double u = static_cast<double>(k - from) / static_cast<double>(to - from);
+        trajectory_.revise(k, Pose3(T_map_from * places_[k].T_step_base * exp_se2(bend * u)),
+                           (1 - u) * entries[from].covariance + u * entries[to].covariance);
+    }
+}
+
+/// Without smoothing poses stay as they were known; only how well they were is still to be said.
+void LineSlam::cover_between() {
+    const auto& entries = trajectory_.entries();
+    std::size_t last = 0;
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+        if (!places_[k].is_step) continue;
+        for (std::size_t b = last + 1; b < k; ++b) {
+            const double u = static_cast<double>(b - last) / static_cast<double>(k - last);
+            trajectory_.revise(b, entries[b].T_map_base,
+                               (1 - u) * entries[last].covariance + u * entries[k].covariance);
+        }
+        last = k;
+    }
 }
 
 void LineSlam::finish(Results& results) {
@@ -183,6 +326,7 @@ void LineSlam::finish(Results& results) {
     auto& metrics = results.metrics;
     metrics["predictions"] = counts.predictions;
     metrics["updates"] = counts.updates;
+    metrics["re_predictions"] = static_cast<std::int64_t>(interval_->re_predictions());
     metrics["associations"] = counts.associations;
     metrics["rejected"] = counts.rejected;
     metrics["loops_found"] = counts.recognised;
@@ -209,6 +353,7 @@ void LineSlam::finish(Results& results) {
         }
     }
     if (map.empty()) {
+        cover_between();
         const Ekf& filter = slam_->filter();
         for (int id = 0; id < filter.line_ids(); ++id) {
             if (!filter.exists(id)) continue;

@@ -1,22 +1,22 @@
 /// Module "line_slam": extracted lines and wheel odometry in, path and map of walls out.
 #pragma once
 
-#include <map>
+#include <deque>
 #include <memory>
 #include <optional>
-#include <utility>
 
 #include "api/module.h"
 #include "line_slam/line_ekf_slam.h"
 #include "line_slam/smoother.h"
+#include "line_slam/wide_interval.h"
 
 namespace loopline {
 
 class CObservationLines;
 
-/// Pairs the lines of a scan with the odometry of the same scan (by sequence; by stamp where both come from a
-/// recorded log: the odometry may come later), feeds the filter in the log's order, and publishes the
-/// filter's pose of every scan. At the end the path is smoothed.
+/// Pairs the lines of a scan with the odometry of the same scan (by sequence: the odometry may come later),
+/// in the log's order. Every N-th scan is a step of the filter, whose pose is published; those between two
+/// steps ride on the wheels, and are fitted to both steps at the end, when the path is smoothed.
 class LineSlam : public Module {
     DEFINE_MRPT_OBJECT(LineSlam, loopline)
  public:
@@ -25,6 +25,7 @@ class LineSlam : public Module {
 
     ModuleInfo info() const override;
     ParameterTable parameters() override;
+    std::string check() const override;
     void start(const RunContext&) override;
     void process(const StreamItem& item, Publisher& publisher) override;
     void drain(Publisher& publisher) override;
@@ -34,31 +35,48 @@ class LineSlam : public Module {
  private:
     /// What is known of one scan so far.
     struct Scan {
+        std::uint64_t sequence = 0;
         StampNs stamp_ns = 0;
         mrpt::Clock::time_point timestamp;
         std::optional<Pose2> T_odom_base;
-        std::optional<std::vector<line_slam::LineObservation>> lines;
+        std::shared_ptr<const CObservationLines> lines;
+        std::optional<line_slam::Regime> commanded;
+    };
+    /// Of each entry of the trajectory.
+    struct ScanPlace {
+        Pose2 T_step_base;  ///< by the wheels, since the last step before it
+        bool is_step = false;
     };
 
     enum class Part { lines, odometry };
-    /// The scan that this item is a part of, with its sequence.
-    std::pair<const std::uint64_t, Scan>& scan_of(const StreamItem& item, Part part);
-    void take_lines(const CObservationLines& observation, Scan& scan) const;
-    void estimate(std::uint64_t sequence, const Scan& scan, Publisher& publisher);
+    /// The scan that this item is a part of.
+    Scan& waiting_scan(const StreamItem& item, Part part);
+    void take_command(const std::string& text);
+    std::vector<line_slam::LineObservation> observations_in_base(const CObservationLines& lines) const;
+    void estimate(const Scan& scan, Publisher& publisher);
+    void step(const Scan& scan, Publisher& publisher);
     void revise_trajectory(const line_slam::SmoothedPath& smoothed);
+    void revise_between(std::size_t from, std::size_t to);
+    void cover_between();
 
     line_slam::LineSlamParameters slam_parameters_;
+    line_slam::IntervalParameters interval_parameters_;
     line_slam::SmootherParameters smoother_parameters_;
     double gate_probability_ = 0.999;
     bool smoothing_ = true;
 
     // The state: all that a break between two scans must keep.
     std::unique_ptr<line_slam::LineEkfSlam> slam_;
-    std::map<std::uint64_t, Scan> waiting_;     ///< by sequence
+    std::unique_ptr<line_slam::WideInterval> interval_;
+    std::deque<Scan> waiting_;                  ///< by sequence
     std::uint64_t newest_lines_ = 0;            ///< highest sequence that brought lines
     std::optional<std::uint64_t> newest_item_;  ///< highest sequence so far
+    std::optional<Scan> since_step_;            ///< the latest scan that was no step
     std::optional<Pose2> T_odom_previous_;
+    StampNs previous_stamp_ns_ = 0;
+    std::optional<line_slam::Regime> commanded_;
     Trajectory trajectory_;
+    std::vector<ScanPlace> places_;  ///< by index in the trajectory
     line_slam::SlamStatus status_ = line_slam::SlamStatus::good;
     std::int64_t without_odometry_ = 0;
 };

@@ -58,7 +58,15 @@ struct ExpectedTravel {
 ExpectedTravel expected_travel(const Pose2& T_old_new, double track_width_m,
                                const WheelCalibration& calibration);
 
-/// Q of eq. (5): covariance of (left, right, side).
-Eigen::Matrix3d travel_covariance(const WheelTravel& travel, const DriveParameters& drive);
+/// Q of eq. (5): covariance of (left, right, side). The two last, above 0, replace `drive.sigma_wheel_m` for
+/// one wheel.
+Eigen::Matrix3d travel_covariance(const WheelTravel& travel, const DriveParameters& drive,
+                                  double sigma_left_m = 0, double sigma_right_m = 0);
+
+/// Motion under one control.
+struct MotionPiece {
+    WheelTravel travel;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (left, right, side)
+};
 
 }  // namespace loopline::line_slam

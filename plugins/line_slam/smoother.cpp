@@ -23,7 +23,7 @@ PoseLineGraph graph_of(const History& history, const SmoothedPath& path, const P
     }
     for (std::size_t k = 0; k < history.steps.size(); ++k) {
         const HistoryStep& step = history.steps[k];
-        graph.motions.push_back({step.travel, travel_covariance(step.travel, history.drive).inverse()});
+        graph.motions.push_back({step.travel, step.travel_covariance.inverse()});
         const auto first = static_cast<std::ptrdiff_t>(graph.observations.size());
         for (std::size_t i = 0; i < step.observations.size(); ++i) {
             const int track = pairings[k][i];

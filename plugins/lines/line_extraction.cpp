@@ -69,19 +69,22 @@ bool LineExtraction::wanted(const std::string& sensor_label) const {
 void LineExtraction::process(const StreamItem& item, Publisher& publisher) {
     const auto scan = std::dynamic_pointer_cast<const mrpt::obs::CObservation2DRangeScan>(item.observation);
     if (!scan || !wanted(scan->sensorLabel)) return;
-    if (!to_planar_scan(*scan, scan_)) {
+    if (!is_usable(*scan)) {
         ++unusable_scans_;
         return;
     }
     auto found = CObservationLines::Create();
-    extractor_->extract(scan_, found->segments);
     found->timestamp = scan->timestamp;
     found->sensorLabel = scan->sensorLabel.empty() ? label_ : label_ + "_" + scan->sensorLabel;
     found->sensor_pose = scan->sensorPose;
     found->scan_label = scan->sensorLabel;
-    found->scan_beams = scan_.size();
-    ++scans_;
-    segments_ += static_cast<std::int64_t>(found->segments.size());
+    found->scan_beams = scan->getScanSize();
+    found->set_extraction([this, scan](lines::LineSegments& segments) {
+        to_planar_scan(*scan, scan_);
+        extractor_->extract(scan_, segments);
+        ++scans_;
+        segments_ += static_cast<std::int64_t>(segments.size());
+    });
     publisher.publish(found);
 }
 

@@ -17,7 +17,8 @@ class LineExtraction : public Module {
     ModuleInfo info() const override;
     ParameterTable parameters() override;
     void start(const RunContext&) override;
-    /// Publishes a CObservationLines with the stamp of the scan, also when the scan holds no line.
+    /// Publishes a CObservationLines with the stamp of the scan, also when the scan holds no line. The lines
+    /// are extracted when a module or the recorder looks at them, which must be while this module lives.
     void process(const StreamItem& item, Publisher& publisher) override;
     void finish(Results& results) override;
 

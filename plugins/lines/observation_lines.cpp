@@ -78,6 +78,25 @@ lines::LineSegment read_segment(mrpt::serialization::CArchive& in) {
 
 }  // namespace
 
+const lines::LineSegments& CObservationLines::segments() const {
+    if (extraction_) {
+        const Extraction extraction = std::move(extraction_);
+        extraction_ = nullptr;
+        extraction(segments_);
+    }
+    return segments_;
+}
+
+void CObservationLines::set_segments(lines::LineSegments segments) {
+    segments_ = std::move(segments);
+    extraction_ = nullptr;
+}
+
+void CObservationLines::set_extraction(Extraction extraction) {
+    segments_.clear();
+    extraction_ = std::move(extraction);
+}
+
 std::uint8_t CObservationLines::serializeGetVersion() const {
     return 0;
 }
@@ -87,8 +106,8 @@ void CObservationLines::serializeTo(mrpt::serialization::CArchive& out) const {
     write_text(out, sensorLabel);
     write_text(out, scan_label);
     write_pose(out, sensor_pose);
-    out << static_cast<std::uint32_t>(scan_beams) << static_cast<std::uint32_t>(segments.size());
-    for (const lines::LineSegment& s : segments) write_segment(out, s);
+    out << static_cast<std::uint32_t>(scan_beams) << static_cast<std::uint32_t>(segments().size());
+    for (const lines::LineSegment& s : segments()) write_segment(out, s);
 }
 
 void CObservationLines::serializeFrom(mrpt::serialization::CArchive& in, std::uint8_t version) {
@@ -103,20 +122,21 @@ void CObservationLines::serializeFrom(mrpt::serialization::CArchive& in, std::ui
         throw std::runtime_error("CObservationLines: the file is damaged (" + std::to_string(count) +
                                  " lines in one scan)");
     // One at a time: a damaged count then ends with the file, not with the memory.
-    segments.clear();
-    for (std::uint32_t i = 0; i < count; ++i) segments.push_back(read_segment(in));
+    lines::LineSegments read;
+    for (std::uint32_t i = 0; i < count; ++i) read.push_back(read_segment(in));
+    set_segments(std::move(read));
 }
 
 void CObservationLines::getDescriptionAsText(std::ostream& o) const {
     CObservation::getDescriptionAsText(o);
     const auto flags = o.flags();
     const auto precision = o.precision();
-    o << "Lines of scan \"" << scan_label << "\" (" << scan_beams << " beams): " << segments.size() << "\n"
+    o << "Lines of scan \"" << scan_label << "\" (" << scan_beams << " beams): " << segments().size() << "\n"
       << "Sensor pose on the vehicle: " << sensor_pose << "\n"
       << "  rho [m]  sigma [m]  alpha [deg]  sigma [deg]  length [m]  beams  first  last  rms [m]\n"
       << std::fixed;
     const double deg = 180 / M_PI;
-    for (const lines::LineSegment& s : segments)
+    for (const lines::LineSegment& s : segments())
         o << std::setprecision(3) << std::setw(9) << s.rho_m << std::setprecision(4) << std::setw(11)
           << std::sqrt(s.covariance(0, 0)) << std::setprecision(2) << std::setw(13) << s.alpha_rad * deg
           << std::setprecision(3) << std::setw(13) << std::sqrt(s.covariance(1, 1)) * deg

@@ -90,7 +90,7 @@ TEST(LineSlamAssociation, the_long_wall_decides_and_gaps_separate) {
     };
     const int long_wall = add(wall(3, M_PI - 1e-4, -8, 8, 0.005, 0.001));
     const int bush = add(wall(2, 0.5, -0.3, 0.3, 0.005, 0.005));
-    filter.predict({0.3, 0.5, 0});  // turning: the heading is now vague
+    filter.predict(WheelTravel{0.3, 0.5, 0});  // turning: the heading is now vague
     const Pose2 truth = filter.T_map_base() * Pose2{0, 0, 0.03};
     const auto seen = [&](const LineObservation& z, const Pose2& T) {
         LineObservation o = z;

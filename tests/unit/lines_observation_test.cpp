@@ -62,9 +62,9 @@ void expect_equal(const CObservationLines& a, const CObservationLines& b) {
     EXPECT_EQ(a.scan_label, b.scan_label);
     EXPECT_EQ(a.scan_beams, b.scan_beams);
     EXPECT_LT((a.sensor_pose.asVectorVal() - b.sensor_pose.asVectorVal()).norm(), 1e-15);
-    ASSERT_EQ(a.segments.size(), b.segments.size());
-    for (std::size_t i = 0; i < a.segments.size(); ++i) {
-        const auto &s = a.segments[i], &t = b.segments[i];
+    ASSERT_EQ(a.segments().size(), b.segments().size());
+    for (std::size_t i = 0; i < a.segments().size(); ++i) {
+        const auto &s = a.segments()[i], &t = b.segments()[i];
         EXPECT_EQ(s.rho_m, t.rho_m);
         EXPECT_EQ(s.alpha_rad, t.alpha_rad);
         EXPECT_EQ(s.covariance, t.covariance);
@@ -91,7 +91,7 @@ TEST(LineExtractionModule, publishes_the_lines_of_every_scan_with_its_stamp_and_
         EXPECT_EQ(lines.scan_label, "front");
         EXPECT_EQ(lines.scan_beams, 181u);
         EXPECT_DOUBLE_EQ(lines.sensor_pose.x(), 0.2);
-        EXPECT_GE(lines.segments.size(), 2u);
+        EXPECT_GE(lines.segments().size(), 2u);
     }
     Results results;
     module.finish(results);
@@ -130,7 +130,7 @@ TEST(LineExtractionModule, survives_scans_that_hold_nothing) {
         module.process({0, 0, scan}, collector);
     }
     for (const auto& o : collector.observations)
-        EXPECT_TRUE(std::dynamic_pointer_cast<CObservationLines>(o)->segments.empty());
+        EXPECT_TRUE(std::dynamic_pointer_cast<CObservationLines>(o)->segments().empty());
     Results results;
     module.finish(results);
     EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("lines_unusable_scans")), 2);
@@ -187,7 +187,7 @@ TEST(ObservationLines, damaged_files_end_in_an_exception) {
         try {
             const auto lines = std::dynamic_pointer_cast<CObservationLines>(archive.ReadObject());
             if (!lines) continue;
-            for (const auto& s : lines->segments) {
+            for (const auto& s : lines->segments()) {
                 EXPECT_TRUE(std::isfinite(s.rho_m) && s.covariance.allFinite());
             }
         } catch (const std::exception&) {

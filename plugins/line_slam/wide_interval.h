@@ -1,0 +1,86 @@
+/// Wide-interval prediction with re-prediction: Hu, Chen, Zhang 2012, sections 3.1.1 and 3.1.2. Scans come
+/// faster than the vehicle moves, so only every N-th becomes a step of the filter. The motion until then is
+/// predicted from the wheel speeds; where these change within the interval, the prediction is discarded and
+/// made again in pieces.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "line_slam/motion_model.h"
+#include "line_slam/regimes.h"
+
+namespace loopline::line_slam {
+
+/// What the wheels say between two scans.
+struct ScanMotion {
+    Pose2 T_previous_base;
+    double duration_s = 0;
+    std::optional<Regime> commanded;  ///< at the later scan, where the log tells it
+};
+
+struct IntervalParameters {
+    enum class Kind { fixed, adaptive };
+    enum class Control { measured, commanded };
+
+    Kind kind = Kind::fixed;
+    int scans = 1;  ///< N, of a step; with `adaptive`: at most
+    // Adaptive: a step is due when the vehicle moved, turned, or may have slipped by this much.
+    double max_way_m = 0.15;
+    double max_turn_rad = 4 * M_PI / 180;
+    double max_sigma_m = 0.02;  ///< of the difference of both wheels' travel
+    Control control = Control::measured;
+    bool re_prediction = true;
+    Regimes regimes;
+};
+
+/// Collects scans until a step is due.
+class WideInterval {
+ public:
+    WideInterval(const IntervalParameters& parameters, const DriveParameters& drive)
+        : parameters_(parameters), drive_(drive) {}
+
+    /// One more scan. True if it is one for a step of the filter.
+    bool add(const ScanMotion& motion);
+
+    /// Control and noise for eq. (3)-(6) from the last step to the latest scan: one piece, or as many as
+    /// there were regimes, eq. (7)-(10).
+    std::vector<MotionPiece> pieces() const;
+
+    /// By the wheels alone.
+    const Pose2& T_step_base() const { return T_step_base_; }
+    bool empty() const { return scans_ == 0; }
+
+    /// The step was made: the next interval begins at the latest scan.
+    void restart();
+
+    /// Predictions that were discarded and made again.
+    int re_predictions() const { return re_predictions_; }
+
+ private:
+    /// Between two changes of the regime.
+    struct Stretch {
+        Regime regime;
+        Pose2 T_from_to;  ///< by the wheels
+        double duration_s;
+    };
+    bool is_due() const;
+    MotionPiece piece(Regime regime, WheelTravel travel) const;
+    WheelTravel travel_at(const WheelSpeed& speed, double duration_s) const;
+
+    IntervalParameters parameters_;
+    DriveParameters drive_;
+    RegimeWatch watch_;
+
+    WheelSpeed speed_, speed_at_step_;
+    Regime regime_ = Regime::straight, regime_at_step_ = Regime::straight;
+    std::vector<Stretch> stretches_;
+    Pose2 T_step_base_;
+    double duration_s_ = 0;
+    double way_m_ = 0;
+    int scans_ = 0;
+    int re_predictions_ = 0;
+};
+
+}  // namespace loopline::line_slam
