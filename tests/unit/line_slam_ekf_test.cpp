@@ -109,6 +109,30 @@ TEST(LineSlamEkf, compressed_filter_equals_the_full_one) {
     }
 }
 
+TEST(LineSlamEkf, the_papers_sum_of_gains_is_over_confident) {
+    Drive d;
+    Ekf joint(d.drive), sum(EkfParameters{d.drive, Feature::line, Update::paper_sum});
+    for (Ekf* filter : {&joint, &sum}) {
+        Drive same;
+        filter->predict(same.go());
+        std::vector<LineObservation> z{same.see(0), same.see(1), same.see(4)};
+        for (const auto& o : z) filter->augment(o);
+        filter->predict(same.go());
+        // One line alone: no difference.
+        const std::vector<LineObservation> one{same.see(0)};
+        ASSERT_TRUE(filter->update({{0, 0}}, one));
+    }
+    EXPECT_LT((joint.pose_covariance() - sum.pose_covariance()).norm(), 1e-15);
+    for (Ekf* filter : {&joint, &sum}) {
+        Drive same;
+        for (int i = 0; i < 3; ++i) filter->predict(same.go());
+        const std::vector<LineObservation> z{same.see(0), same.see(1), same.see(4)};
+        ASSERT_TRUE(filter->update({{0, 0}, {1, 1}, {2, 2}}, z));
+    }
+    // Three gains that do not know of one another take more from the covariance than there is to know.
+    EXPECT_LT(sum.pose_covariance()(2, 2), joint.pose_covariance()(2, 2));
+}
+
 TEST(LineSlamEkf, an_update_with_nonsense_is_refused_and_changes_nothing) {
     Drive d;
     Ekf filter(d.drive);

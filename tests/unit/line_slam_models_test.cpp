@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <random>
 
+#include "line_slam/feature.h"
 #include "line_slam/line_input.h"
 #include "line_slam/line_observation.h"
 #include "line_slam/motion_model.h"
@@ -109,6 +110,50 @@ TEST_F(LineSlamModels, observation_jacobians_agree_with_central_differences) {
                 k < 3 ? Eigen::Vector2d(H.pose.col(k)) : Eigen::Vector2d(H.line.col(k - 3));
             EXPECT_LT((numeric - analytic).norm(), 1e-7) << "column " << k;
         }
+    }
+}
+
+TEST_F(LineSlamModels, foot_points_jacobians_and_noise_agree_with_central_differences) {
+    for (int i = 0; i < 100; ++i) {
+        const Pose2 T = pose();
+        const PlanarLine l = line();
+        LineObservation z;
+        z.line = predicted_line(T, {l.rho_m + 0.02, l.alpha_rad + 0.01});
+        Eigen::Matrix2d R;
+        R << 4e-4, 1e-4, 1e-4, 9e-4;
+        const FeaturePrediction f = predict_feature(Feature::foot_point, T, l, z, R);
+        if (f.noise(0, 0) > 1e6 || std::abs(l.rho_m) < 0.5) continue;
+        // Where the map line's foot point is predicted: the measurement stays as it was.
+        const Eigen::Vector2d o = T.inverse() * Eigen::Vector2d(0, 0);
+        const auto polar = [](const Eigen::Vector2d& p) {
+            return Eigen::Vector2d(p.norm(), std::atan2(p.y(), p.x()));
+        };
+        const auto difference = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+            return Eigen::Vector2d(a.x() - b.x(), wrap_to_pi(a.y() - b.y()));
+        };
+        for (int k = 0; k < 5; ++k) {
+            const auto at = [&](double s) {
+                Eigen::Matrix<double, 5, 1> d = Eigen::Matrix<double, 5, 1>::Zero();
+                d(k) = s;
+                const PlanarLine moved{l.rho_m + d(3), l.alpha_rad + d(4)};
+                return polar(corrected(T, d.head<3>()).inverse() * moved.point_m(0));
+            };
+            const Eigen::Vector2d numeric = difference(at(h), at(-h)) / (2 * h);
+            const Eigen::Vector2d analytic =
+                k < 3 ? Eigen::Vector2d(f.H.pose.col(k)) : Eigen::Vector2d(f.H.line.col(k - 3));
+            EXPECT_LT((numeric - analytic).norm(), 1e-5 * (1 + analytic.norm())) << "column " << k;
+        }
+        Eigen::Matrix2d J;
+        for (int k = 0; k < 2; ++k) {
+            const auto at = [&](double s) {
+                PlanarLine seen = z.line;
+                (k == 0 ? seen.rho_m : seen.alpha_rad) += s;
+                return polar(o + (seen.rho_m - seen.normal().dot(o)) * seen.normal());
+            };
+            J.col(k) = difference(at(h), at(-h)) / (2 * h);
+        }
+        const Eigen::Matrix2d noise = J * R * J.transpose();
+        EXPECT_LT((f.noise - noise).norm(), 1e-5 * noise.norm());
     }
 }
 

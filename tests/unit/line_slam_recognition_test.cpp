@@ -2,9 +2,11 @@
 /// decides.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
 #include "line_slam/association.h"
+#include "line_slam/chi_square.h"
 #include "line_slam/place_recognition.h"
 
 using namespace loopline;
@@ -114,6 +116,103 @@ TEST(LineSlamAssociation, the_long_wall_decides_and_gaps_separate) {
     records[static_cast<std::size_t>(long_wall)].awake = false;
     z = {seen(wall(3, M_PI - 1e-4, -8, 8, 0.005, 0.001), filter.T_map_base())};
     EXPECT_TRUE(associate(filter, records, z, {}).pairings.empty());
+}
+
+/// Several walls that are hard to tell apart, seen from an uncertain pose: branch and bound against all sets
+/// of pairings.
+TEST(LineSlamAssociation, branch_and_bound_finds_what_trying_everything_finds) {
+    std::mt19937_64 random(21);
+    std::normal_distribution<double> normal;
+    int larger_than_nearest = 0;
+    for (int world = 0; world < 60; ++world) {
+        Ekf filter{DriveParameters{}};
+        MapLineRecords records;
+        const auto look = [&](double rho_m, double alpha) {
+            LineObservation z;
+            z.line = {rho_m, alpha};
+            z.start_m = z.line.point_m(-2);
+            z.end_m = z.line.point_m(2);
+            z.covariance = Eigen::Vector2d(1e-4, 1e-4).asDiagonal();
+            return z;
+        };
+        // Pairs of parallel walls, 6 cm apart, in three directions.
+        std::vector<PlanarLine> walls;
+        for (int i = 0; i < 6; ++i) walls.push_back({3 + 0.06 * (i % 2), 2.0 * (i / 2)});
+        for (const PlanarLine& w : walls) {
+            const int id = filter.augment(look(w.rho_m, w.alpha_rad));
+            records.push_back({{-2, 2}, id, 3, 0, {0}});
+        }
+        filter.predict(WheelTravel{1.5, 1.5, 0});
+        const Pose2 truth =
+            filter.T_map_base() * Pose2{0.05 * normal(random), 0.05 * normal(random), 0.02 * normal(random)};
+        std::vector<LineObservation> z;
+        for (const PlanarLine& w : walls) {
+            LineObservation o = look(0, 0);
+            o.line = predicted_line(truth, w);
+            o.line.rho_m += 0.01 * normal(random);
+            o.line.alpha_rad += 0.01 * normal(random);
+            const double shift_m = w.along_m(truth.translation());
+            o.start_m = o.line.point_m(-2 - shift_m);
+            o.end_m = o.line.point_m(2 - shift_m);
+            if (random() % 3 != 0) z.push_back(o);
+        }
+        AssociationParameters p;
+        p.method = AssociationMethod::jcbb;
+        const Association found = associate(filter, records, z, p);
+
+        // Joint distance of a set of pairings, straight from the definition.
+        const auto distance2 = [&](const std::vector<Pairing>& set) {
+            const auto m = 2 * static_cast<Eigen::Index>(set.size());
+            Eigen::MatrixXd S(m, m);
+            Eigen::VectorXd v(m);
+            for (std::size_t i = 0; i < set.size(); ++i) {
+                const LineObservation& o = z[static_cast<std::size_t>(set[i].observation)];
+                const auto at = 2 * static_cast<Eigen::Index>(i);
+                v.segment<2>(at) =
+                    innovation(o.line, predicted_line(filter.T_map_base(), filter.line(set[i].line)));
+                for (std::size_t j = 0; j < set.size(); ++j)
+                    S.block<2, 2>(at, 2 * static_cast<Eigen::Index>(j)) =
+                        filter.predicted_covariance(set[i].line, set[j].line);
+                S.block<2, 2>(at, at) += o.covariance;
+            }
+            return m == 0 ? 0.0 : v.dot(S.llt().solve(v));
+        };
+        std::size_t best_size = 0;
+        double best_distance2 = 0;
+        std::vector<Pairing> set;
+        const std::function<void(std::size_t)> all = [&](std::size_t i) {
+            if (i == z.size()) {
+                const double d2 = distance2(set);
+                if (d2 >= chi_square_quantile(2.0 * static_cast<double>(std::max<std::size_t>(set.size(), 1)),
+                                              p.probability))
+                    return;
+                if (set.size() > best_size || (set.size() == best_size && d2 < best_distance2)) {
+                    best_size = set.size();
+                    best_distance2 = d2;
+                }
+                return;
+            }
+            for (int id = 0; id < 6; ++id) {
+                set.push_back({id, static_cast<int>(i)});
+                if (distance2({set.back()}) < p.gate &&
+                    overlap_m(filter.T_map_base(), filter.line(id),
+                              records[static_cast<std::size_t>(id)].extent, z[i]) > -p.max_gap_m)
+                    all(i + 1);
+                set.pop_back();
+            }
+            all(i + 1);
+        };
+        all(0);
+        EXPECT_EQ(found.pairings.size(), best_size) << "world " << world;
+        EXPECT_NEAR(distance2(found.pairings), best_distance2, 1e-6) << "world " << world;
+        p.method = AssociationMethod::nearest;
+        const Association by_itself = associate(filter, records, z, p);
+        int wrong = 0;
+        for (const Pairing& q : by_itself.pairings) wrong += distance2({q}) >= p.gate;
+        EXPECT_EQ(wrong, 0);
+        larger_than_nearest += distance2(by_itself.pairings) > best_distance2 + 10;
+    }
+    EXPECT_GT(larger_than_nearest, 5) << "the worlds are too easy to tell the methods apart";
 }
 
 }  // namespace

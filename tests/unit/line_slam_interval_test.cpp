@@ -1,0 +1,161 @@
+/// Wide interval and re-prediction against the motion they stand for.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "line_slam/wide_interval.h"
+
+using namespace loopline;
+using namespace loopline::line_slam;
+
+namespace {
+
+constexpr double scan_s = 1.0 / 37, straight_mps = 0.1023, outer_mps = 0.0634, inner_mps = 0.0106;
+
+struct Vehicle {
+    DriveParameters drive;
+    IntervalParameters interval;
+    Vehicle() {
+        drive.track_width_m = 0.4;
+        interval.scans = 20;
+        interval.regimes[0].commanded = {straight_mps, straight_mps};
+        interval.regimes[1].commanded = {inner_mps, outer_mps};
+        interval.regimes[2].commanded = {outer_mps, inner_mps};
+    }
+    ScanMotion drives(Regime regime) const {
+        const WheelSpeed v = interval.regimes[static_cast<std::size_t>(regime)].commanded;
+        return {moved({v.left_mps * scan_s, v.right_mps * scan_s, 0}, drive.track_width_m), scan_s, {}};
+    }
+    Pose2 predicted(const WideInterval& wide) const {
+        Pose2 T;
+        for (const MotionPiece& p : wide.pieces()) T = T * moved(p.travel, drive.track_width_m);
+        return T;
+    }
+};
+
+void expect_same(const Pose2& a, const Pose2& b, double tolerance_m) {
+    EXPECT_LT((a.translation() - b.translation()).norm(), tolerance_m);
+    EXPECT_LT(std::abs(wrap_to_pi(a.phi_rad - b.phi_rad)), 10 * tolerance_m);
+}
+
+TEST(WideInterval, every_nth_scan_is_a_step) {
+    const Vehicle v;
+    WideInterval wide(v.interval, v.drive);
+    for (int i = 1; i <= 60; ++i) {
+        const bool due = wide.add(v.drives(Regime::straight));
+        EXPECT_EQ(due, i % 20 == 0) << i;
+        if (!due) continue;
+        EXPECT_EQ(wide.pieces().size(), 1u);
+        expect_same(v.predicted(wide), {20 * scan_s * straight_mps, 0, 0}, 1e-12);
+        wide.restart();
+    }
+    EXPECT_EQ(wide.re_predictions(), 0);
+}
+
+TEST(WideInterval, is_split_at_every_change_of_the_regime) {
+    for (const auto control :
+         {IntervalParameters::Control::measured, IntervalParameters::Control::commanded}) {
+        Vehicle v;
+        v.interval.control = control;
+        WideInterval wide(v.interval, v.drive);
+        for (int i = 0; i < 20; ++i) wide.add(v.drives(Regime::straight));
+        wide.restart();
+        // Eq. (7)-(10) with two changes in one interval: 6 scans straight, 9 to the left, 5 straight.
+        Pose2 truth;
+        for (int i = 0; i < 20; ++i) {
+            const ScanMotion motion = v.drives(i < 6 || i >= 15 ? Regime::straight : Regime::left);
+            truth = truth * motion.T_previous_base;
+            EXPECT_EQ(wide.add(motion), i == 19);
+        }
+        EXPECT_EQ(wide.pieces().size(), 3u);
+        EXPECT_EQ(wide.re_predictions(), 2);
+        expect_same(v.predicted(wide), truth, 1e-6);
+        expect_same(wide.T_step_base(), truth, 1e-12);
+    }
+}
+
+TEST(WideInterval, without_re_prediction_the_first_speed_holds) {
+    for (const auto control :
+         {IntervalParameters::Control::measured, IntervalParameters::Control::commanded}) {
+        Vehicle v;
+        v.interval.control = control;
+        v.interval.re_prediction = false;
+        WideInterval wide(v.interval, v.drive);
+        for (int i = 0; i < 20; ++i) wide.add(v.drives(Regime::straight));
+        wide.restart();
+        for (int i = 0; i < 20; ++i) wide.add(v.drives(i < 6 ? Regime::straight : Regime::left));
+        EXPECT_EQ(wide.re_predictions(), 0);
+        expect_same(v.predicted(wide), {20 * scan_s * straight_mps, 0, 0}, 1e-12);
+    }
+}
+
+TEST(WideInterval, a_commanded_regime_in_the_log_is_believed) {
+    Vehicle v;
+    v.interval.control = IntervalParameters::Control::commanded;
+    WideInterval wide(v.interval, v.drive);
+    for (int i = 0; i < 20; ++i) {
+        ScanMotion motion = v.drives(Regime::straight);  // what wheels that can't be measured might say
+        motion.commanded = Regime::right;
+        wide.add(motion);
+    }
+    expect_same(v.predicted(wide),
+                moved({20 * scan_s * outer_mps, 20 * scan_s * inner_mps, 0}, v.drive.track_width_m), 1e-12);
+}
+
+TEST(WideInterval, noise_in_the_speeds_does_not_change_the_regime) {
+    const Vehicle v;
+    WideInterval wide(v.interval, v.drive);
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> noise(0, 1);
+    for (int i = 0; i < 5000; ++i) {
+        const Regime regime = i / 1000 % 2 == 0 ? Regime::straight : Regime::left;
+        const WheelSpeed mean = v.interval.regimes[static_cast<std::size_t>(regime)].commanded;
+        const WheelTravel travel{scan_s * (mean.left_mps + 0.003 * noise(random)),
+                                 scan_s * (mean.right_mps + 0.003 * noise(random)), 0};
+        if (wide.add({moved(travel, v.drive.track_width_m), scan_s, {}})) wide.restart();
+    }
+    EXPECT_EQ(wide.re_predictions(), 4);
+}
+
+TEST(WideInterval, known_slip_shortens_the_travel_and_noise_is_of_the_regime) {
+    Vehicle v;
+    v.interval.regimes[1].slip_left = 0.5;
+    v.interval.regimes[1].sigma_right_m = 0.2;
+    WideInterval wide(v.interval, v.drive);
+    for (int i = 0; i < 20; ++i) wide.add(v.drives(Regime::left));
+    ASSERT_EQ(wide.pieces().size(), 1u);
+    const MotionPiece p = wide.pieces()[0];
+    const double outer_m = 20 * scan_s * outer_mps;
+    EXPECT_NEAR(p.travel.left_m, 0.5 * 20 * scan_s * inner_mps, 1e-6);
+    EXPECT_NEAR(p.travel.right_m, outer_m, 1e-6);
+    EXPECT_NEAR(p.covariance(1, 1), 0.04 * outer_m + std::pow(v.drive.sigma_rest_m, 2), 1e-9);
+}
+
+TEST(WideInterval, adaptive_steps_come_when_something_happens) {
+    Vehicle v;
+    v.interval.kind = IntervalParameters::Kind::adaptive;
+    v.interval.scans = 100;
+    v.interval.max_sigma_m = 1;
+    v.interval.max_way_m = 0.2;
+    v.interval.max_turn_rad = 0.1;
+    const auto scans_until_due = [&](Regime regime, const IntervalParameters& interval) {
+        WideInterval wide(interval, v.drive);
+        int scans = 1;
+        while (!wide.add(v.drives(regime))) ++scans;
+        return scans;
+    };
+    EXPECT_EQ(scans_until_due(Regime::straight, v.interval),
+              static_cast<int>(std::ceil(0.2 / (straight_mps * scan_s))));
+    EXPECT_EQ(scans_until_due(Regime::left, v.interval),
+              static_cast<int>(std::ceil(0.1 * 0.4 / ((outer_mps - inner_mps) * scan_s))));
+    IntervalParameters careful = v.interval;
+    careful.max_sigma_m = 0.005;
+    EXPECT_LT(scans_until_due(Regime::straight, careful), 40);
+    IntervalParameters at_rest = v.interval;
+    WideInterval wide(at_rest, v.drive);
+    int scans = 1;
+    while (!wide.add({Pose2{}, scan_s, {}})) ++scans;
+    EXPECT_EQ(scans, 100);
+}
+
+}  // namespace
