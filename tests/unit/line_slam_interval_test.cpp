@@ -126,9 +126,10 @@ TEST(WideInterval, known_slip_shortens_the_travel_and_noise_is_of_the_regime) {
     ASSERT_EQ(wide.pieces().size(), 1u);
     const MotionPiece p = wide.pieces()[0];
     const double outer_m = 20 * scan_s * outer_mps;
-    EXPECT_NEAR(p.travel.left_m, 0.5 * 20 * scan_s * inner_mps, 1e-6);
-    EXPECT_NEAR(p.travel.right_m, outer_m, 1e-6);
-    EXPECT_NEAR(p.covariance(1, 1), 0.04 * outer_m + std::pow(v.drive.sigma_rest_m, 2), 1e-9);
+    // One arc in place of twenty: their chords add up to a little less.
+    EXPECT_NEAR(p.travel.left_m, 0.5 * 20 * scan_s * inner_mps, 2e-5);
+    EXPECT_NEAR(p.travel.right_m, outer_m, 2e-5);
+    EXPECT_NEAR(p.covariance(1, 1), 0.04 * outer_m + std::pow(v.drive.sigma_rest_m, 2), 1e-6);
 }
 
 TEST(WideInterval, adaptive_steps_come_when_something_happens) {

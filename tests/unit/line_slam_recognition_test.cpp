@@ -2,6 +2,7 @@
 /// decides.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <functional>
 #include <random>
 
