@@ -14,7 +14,7 @@ std::vector<double> stepped_front(int sections, double step_m, RandomStream& ran
     std::vector<double> depths_m;
     while (static_cast<int>(depths_m.size()) < sections) {
         const double depth_m = random.uniform(0, step_m);
-        bool good = depths_m.empty() || std::abs(depth_m - depths_m.back()) >= step_m / 5;
+        bool good = depths_m.empty() || std::abs(depth_m - depths_m.back()) >= 0.4 * step_m;
         for (const double other_m : depths_m) good = good && std::abs(depth_m - other_m) >= apart_m;
         if (good) depths_m.push_back(depth_m);
     }

@@ -96,7 +96,7 @@ TEST(Campus, has_its_walls_and_no_two_on_one_line) {
             same += std::abs(lines[i].rho - lines[k].rho) < 0.01;
     EXPECT_LE(same, 3);
     EXPECT_GT(clearance_m(plan), 1.5);
-    for (const Wall& wall : plan.world.walls) EXPECT_GT((wall.to_m - wall.from_m).norm(), 0.3);
+    for (const Wall& wall : plan.world.walls) EXPECT_GT((wall.to_m - wall.from_m).norm(), 0.75);
 }
 
 TEST(Office, leads_through_open_doors_past_the_furniture) {
