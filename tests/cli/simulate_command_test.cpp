@@ -259,6 +259,16 @@ TEST_F(Simulate, what_is_wrong_is_told_with_its_place_and_nothing_is_written) {
     EXPECT_NE(nowhere.err.find("can't write"), std::string::npos);
 }
 
+TEST_F(Simulate, interrupted_it_leaves_nothing) {
+    const auto result =
+        run_program({"timeout", "--preserve-status", "-s", "INT", "1", LOOPLINE_PROGRAM, "simulate",
+                     std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/ring_corridor.ini", "--out",
+                     (folder / "w.rawlog").string(), "--set", "horizontal_laser.beams=5000"});
+    EXPECT_EQ(result.exit_code, 130) << result.err;
+    EXPECT_NE(result.err.find("interrupted; nothing was written"), std::string::npos) << result.err;
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST_F(Simulate, every_dataset_is_right) {
     for (const char* name : {"ring_corridor", "ring_corridor_bare", "office", "campus_lines"}) {
         const std::string file = std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/" + name + ".ini";

@@ -23,30 +23,31 @@ inline std::unique_ptr<simulation::Scene> scene_of(const std::string& scenario_f
     return simulation::make_scene(simulator.scenario());
 }
 
+/// When the vehicle is nearest to a place.
+inline StampNs time_nearest_to(const simulation::Scene& scene, const Eigen::Vector2d& place_m) {
+    double best_m = 1e9;
+    StampNs best_ns = 0;
+    for (StampNs t = 0; t <= scene.duration_ns(); t += 50'000'000)
+        if (const double d = (scene.drive.motion.planar_pose_at(t).translation() - place_m).norm();
+            d < best_m) {
+            best_m = d;
+            best_ns = t;
+        }
+    return best_ns;
+}
+
 /// Where dead reckoning puts the scene's feature points: each through the poses of the moment when the
 /// vehicle is nearest to it.
 inline std::vector<double> dead_reckoning_errors_m(const simulation::Scene& scene,
                                                    const simulation::EncoderSettings& settings) {
-    std::vector<StampNs> nearest_ns;
+    std::vector<double> errors_m;
     for (const auto& point : scene.world.points) {
-        double best_m = 1e9;
-        StampNs best_ns = 0;
-        for (StampNs t = 0; t <= scene.duration_ns(); t += 50'000'000)
-            if (const double d =
-                    (scene.drive.motion.planar_pose_at(t).translation() - point.position_m).norm();
-                d < best_m) {
-                best_m = d;
-                best_ns = t;
-            }
-        nearest_ns.push_back(best_ns);
-    }
-    std::vector<double> errors_m(nearest_ns.size());
-    for (std::size_t i = 0; i < nearest_ns.size(); ++i) {
+        const StampNs nearest_ns = time_nearest_to(scene, point.position_m);
         simulation::Encoders encoders(settings, scene.drive);
-        const Pose2 T_odom_base = encoders.read(nearest_ns[i]).T_odom_base;
-        const Pose2 T_map_base = scene.drive.motion.planar_pose_at(nearest_ns[i]);
-        const Eigen::Vector2d& point_m = scene.world.points[i].position_m;
-        errors_m[i] = (T_odom_base * (T_map_base.inverse() * point_m) - point_m).norm();
+        const Pose2 T_odom_base = encoders.read(nearest_ns).T_odom_base;
+        const Pose2 T_map_base = scene.drive.motion.planar_pose_at(nearest_ns);
+        errors_m.push_back(
+            (T_odom_base * (T_map_base.inverse() * point.position_m) - point.position_m).norm());
     }
     return errors_m;
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "support/simulated_scene.h"
@@ -30,6 +31,30 @@ TEST(SimulatedRing, its_points_are_those_of_table_1) {
             ASSERT_TRUE(point.number >= 1 && point.number <= 12);
             EXPECT_NEAR(point.position_m.x(), -paper_mm[point.number - 1][1] * 1e-3, 1e-9);
             EXPECT_NEAR(point.position_m.y(), -paper_mm[point.number - 1][0] * 1e-3, 1e-9);
+        }
+    }
+}
+
+TEST(SimulatedRing, the_laser_sees_every_point_as_it_passes) {
+    for (int seed = 1; seed <= 10; ++seed) {
+        const auto scene =
+            scene_of(dataset("ring_corridor.ini"), {"simulation.seed=" + std::to_string(seed)});
+        const Pose3 T_base_laser({0.2, 0, 0.35}, Eigen::Quaterniond::Identity());
+        for (const auto& point : scene->world.points) {
+            const StampNs nearest_ns = time_nearest_to(*scene, point.position_m);
+            int hits = 0;
+            for (StampNs t = nearest_ns - 5'000'000'000; t < nearest_ns + 5'000'000'000; t += 27'000'000) {
+                const Pose3 T_map_laser = scene->drive.motion.pose_at(t) * T_base_laser;
+                for (int beam = 0; beam <= 180; ++beam) {
+                    const double a = (beam - 90) * M_PI / 180;
+                    const Eigen::Vector3d direction =
+                        T_map_laser.rotation * Eigen::Vector3d(std::cos(a), std::sin(a), 0);
+                    const Hit hit = scene->caster->cast(T_map_laser.translation_m, direction, 32);
+                    const Eigen::Vector3d p = T_map_laser.translation_m + hit.range_m * direction;
+                    hits += hit.surface >= 0 && (p.head<2>() - point.position_m).norm() < 0.05;
+                }
+            }
+            EXPECT_GT(hits, 50) << "point " << point.number << ", seed " << seed;
         }
     }
 }

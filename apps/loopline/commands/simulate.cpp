@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -22,6 +23,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+volatile std::sig_atomic_t interrupted = 0;
+
+/// While a log is made, SIGINT and SIGTERM end it without leaving half a file; a second one ends it at once.
+class InterruptGuard {
+ public:
+    InterruptGuard() {
+        for (const int signal : {SIGINT, SIGTERM})
+            std::signal(signal, [](int received) {
+                interrupted = 1;
+                std::signal(received, SIG_DFL);
+            });
+    }
+    ~InterruptGuard() {
+        for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+    }
+};
+
 /// FILE.truth.tum for FILE.rawlog.
 fs::path beside(fs::path rawlog, const std::string& extension) {
     return rawlog.replace_extension(extension);
@@ -35,6 +53,7 @@ class Files : public SimulationSink {
     }
 
     void observation(const mrpt::obs::CObservation& observation) override {
+        if (interrupted) throw CommandError(exit_interrupted, "interrupted; nothing was written");
         rawlog_.write(observation);
         ++counts_[observation.sensorLabel];
     }
@@ -107,6 +126,7 @@ class SimulateCommand : public Command {
         std::error_code ignored;
         if (fs::equivalent(scenario_, out_, ignored))
             throw CommandError(exit_configuration, "--out " + out_ + " is the scenario; give another file");
+        const InterruptGuard guard;
         Files files(out_, quiet_);
         try {
             simulator->simulate(files);
