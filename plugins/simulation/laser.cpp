@@ -14,28 +14,36 @@ double Laser::angle_rad(int beam) const {
     return settings_.field_of_view_rad * (static_cast<double>(beam) / std::max(settings_.beams - 1, 1) - 0.5);
 }
 
-Hit Laser::cast(int beam, double off_rad, const RayCaster& world,
-                const std::vector<Cylinder>& cylinders) const {
-    const double a = angle_rad(beam) + off_rad;
-    const Pose3& T_world_sensor = poses_[static_cast<std::size_t>(beam)];
-    const Eigen::Vector3d direction = T_world_sensor.rotation * Eigen::Vector3d(std::cos(a), std::sin(a), 0);
+/// The world as it is when a beam is measured.
+void Laser::aim(int beam, StampNs start_ns, const PoseAt& T_world_sensor, const CylindersAt& cylinders_at) {
+    const StampNs time_ns = start_ns + beam_time_ns(beam);
+    T_world_sensor_ = T_world_sensor(time_ns);
+    if (cylinders_at) cylinders_ = cylinders_at(time_ns);
+}
+
+Hit Laser::cast(double a_rad, const RayCaster& world) const {
+    const Eigen::Vector3d direction =
+        T_world_sensor_.rotation * Eigen::Vector3d(std::cos(a_rad), std::sin(a_rad), 0);
     // Beyond the maximum too: a surface just behind it may still be measured just before it.
-    return world.cast(T_world_sensor.translation_m, direction,
-                      settings_.max_range_m + 6 * settings_.sigma_range_m, cylinders);
+    return world.cast(T_world_sensor_.translation_m, direction,
+                      settings_.max_range_m + 6 * settings_.sigma_range_m, cylinders_);
+}
+
+/// An edge within a beam shows as two surfaces on two neighbours.
+bool Laser::meets_edge(int beam) const {
+    const auto i = static_cast<std::size_t>(beam);
+    return settings_.beam_width_rad > 0 &&
+           ((i > 0 && hits_[i - 1].surface != hits_[i].surface) ||
+            (i + 1 < hits_.size() && hits_[i + 1].surface != hits_[i].surface));
 }
 
 /// A beam has a width. Where its two sides meet different surfaces it may measure a mean of both: "mixed
 /// pixels" (Ye, Borenstein 2002, "Characterization of a 2-D laser scanner for mobile robot obstacle
 /// negotiation").
-double Laser::true_range_m(int beam, const RayCaster& world, const std::vector<Cylinder>& cylinders) {
-    const auto i = static_cast<std::size_t>(beam);
-    const Hit& middle = hits_[i];
-    // An edge within the beam shows as two surfaces on two neighbours: looked at only there.
-    const bool edge = (i > 0 && hits_[i - 1].surface != middle.surface) ||
-                      (i + 1 < hits_.size() && hits_[i + 1].surface != middle.surface);
-    if (!edge || settings_.beam_width_rad <= 0) return middle.range_m;
-    const Hit right = cast(beam, -settings_.beam_width_rad / 2, world, cylinders);
-    const Hit left = cast(beam, settings_.beam_width_rad / 2, world, cylinders);
+double Laser::range_at_edge_m(int beam, const RayCaster& world) {
+    const Hit& middle = hits_[static_cast<std::size_t>(beam)];
+    const Hit right = cast(angle_rad(beam) - settings_.beam_width_rad / 2, world);
+    const Hit left = cast(angle_rad(beam) + settings_.beam_width_rad / 2, world);
     const auto [near, far] = std::minmax({right.range_m, middle.range_m, left.range_m});
     const bool same = right.surface == middle.surface && left.surface == middle.surface;
     if (same || !std::isfinite(far)) return middle.range_m;
@@ -56,16 +64,21 @@ Beam Laser::measured(double true_range_m) {
 }
 
 const std::vector<Beam>& Laser::scan(StampNs start_ns, const PoseAt& T_world_sensor, const RayCaster& world,
-                                     const std::vector<Cylinder>& cylinders) {
-    poses_.clear();
+                                     const CylindersAt& cylinders_at) {
     hits_.clear();
     beams_.clear();
     for (int beam = 0; beam < settings_.beams; ++beam) {
-        poses_.push_back(T_world_sensor(start_ns + beam_time_ns(beam)));
-        hits_.push_back(cast(beam, 0, world, cylinders));
+        aim(beam, start_ns, T_world_sensor, cylinders_at);
+        hits_.push_back(cast(angle_rad(beam), world));
     }
-    for (int beam = 0; beam < settings_.beams; ++beam)
-        beams_.push_back(measured(true_range_m(beam, world, cylinders)));
+    for (int beam = 0; beam < settings_.beams; ++beam) {
+        double range_m = hits_[static_cast<std::size_t>(beam)].range_m;
+        if (meets_edge(beam)) {
+            aim(beam, start_ns, T_world_sensor, cylinders_at);
+            range_m = range_at_edge_m(beam, world);
+        }
+        beams_.push_back(measured(range_m));
+    }
     return beams_;
 }
 

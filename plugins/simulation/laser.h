@@ -35,6 +35,8 @@ struct Beam {
 
 /// Pose of the sensor at a time, in the frame of the ray caster's world.
 using PoseAt = std::function<Pose3(StampNs time_ns)>;
+/// What moves, where it is at a time; empty: nothing does.
+using CylindersAt = std::function<std::vector<Cylinder>(StampNs time_ns)>;
 
 class Laser {
  public:
@@ -43,19 +45,22 @@ class Laser {
     /// Counter-clockwise, from the right. Beam 0 is measured at `start_ns`, beam k at beam_time_ns(k) after
     /// it.
     const std::vector<Beam>& scan(StampNs start_ns, const PoseAt& T_world_sensor, const RayCaster& world,
-                                  const std::vector<Cylinder>& cylinders = {});
+                                  const CylindersAt& cylinders_at = {});
     StampNs beam_time_ns(int beam) const;
     double angle_rad(int beam) const;
 
  private:
-    Hit cast(int beam, double off_rad, const RayCaster& world, const std::vector<Cylinder>& cylinders) const;
-    double true_range_m(int beam, const RayCaster& world, const std::vector<Cylinder>& cylinders);
+    void aim(int beam, StampNs start_ns, const PoseAt& T_world_sensor, const CylindersAt& cylinders_at);
+    Hit cast(double angle_rad, const RayCaster& world) const;
+    double range_at_edge_m(int beam, const RayCaster& world);
+    bool meets_edge(int beam) const;
     Beam measured(double true_range_m);
 
     LaserSettings settings_;
     RandomStream random_;
-    std::vector<Pose3> poses_;  ///< of the sensor, at each beam
-    std::vector<Hit> hits_;     ///< of the middle of each beam
+    Pose3 T_world_sensor_;  ///< at the beam that is aimed
+    std::vector<Cylinder> cylinders_;
+    std::vector<Hit> hits_;  ///< of the middle of each beam
     std::vector<Beam> beams_;
 };
 

@@ -60,8 +60,10 @@ mrpt::obs::CObservation::Ptr LaserSensor::next() {
     const auto T_map_sensor = [this](StampNs at_ns) {
         return scene_->drive.motion.pose_at(at_ns) * T_base_sensor(at_ns);
     };
-    const std::vector<Beam>& beams =
-        model_->scan(time_ns, T_map_sensor, *scene_->caster, scene_->cylinders_at(time_ns));
+    CylindersAt cylinders_at;
+    if (!scene_->walkers.empty())
+        cylinders_at = [this](StampNs at_ns) { return scene_->cylinders_at(at_ns); };
+    const std::vector<Beam>& beams = model_->scan(time_ns, T_map_sensor, *scene_->caster, cylinders_at);
 
     auto observation = mrpt::obs::CObservation2DRangeScan::Create();
     observation->sensorLabel = name();

@@ -27,7 +27,6 @@ struct Scene {
 
     StampNs duration_ns() const { return drive.motion.duration_ns(); }
     std::vector<Cylinder> cylinders_at(StampNs time_ns) const {
-        if (walkers.empty()) return {};
         return walkers_at(walkers, time_ns, drive.motion.planar_pose_at(time_ns).translation());
     }
 };

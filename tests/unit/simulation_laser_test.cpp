@@ -111,6 +111,28 @@ TEST(SimulatedLaser, every_beam_is_measured_from_the_pose_of_its_own_time) {
     EXPECT_EQ(laser.beam_time_ns(180), 100'000'000);
 }
 
+TEST(SimulatedLaser, people_move_during_the_sweep) {
+    const RayCaster nothing(World{});
+    LaserSettings settings = exact();
+    settings.rate_hz = 10;
+    settings.sweep_part = 1;
+    Laser laser(settings, RandomStream(1, "laser"));
+    const auto walking = [](StampNs t) {
+        return std::vector<Cylinder>{{{2, 10 * seconds_between(0, t) - 0.5}, 0.3, 1.7}};
+    };
+    const auto& beams = laser.scan(0, standing, nothing, walking);
+    int seen = 0;
+    for (int k = 0; k < settings.beams; ++k) {
+        const Beam& beam = beams[static_cast<std::size_t>(k)];
+        if (!beam.valid) continue;
+        ++seen;
+        const double a = laser.angle_rad(k);
+        const Eigen::Vector2d p(beam.range_m * std::cos(a), beam.range_m * std::sin(a));
+        EXPECT_NEAR((p - walking(laser.beam_time_ns(k))[0].centre_m).norm(), 0.3, 1e-9);
+    }
+    EXPECT_GT(seen, 10);
+}
+
 TEST(SimulatedLaser, mixed_pixels_lie_between_the_two_surfaces_of_an_edge_and_nowhere_else) {
     World world;
     world.walls.push_back({{3, 0.513}, {3, 10}, 0, 3});  // a near wall that ends in front of
