@@ -96,12 +96,14 @@ class MapBuilder : public Configurable {
     virtual void start(const RunContext&, const Trajectory& trajectory) = 0;
     virtual void insert(const StreamItem& item) = 0;
     virtual void finish(Results&) = 0;
+    /// Whether to draw the map from dead reckoning as well, to show what the estimate corrected.
+    virtual bool wants_dead_reckoning() const { return false; }
 };
 
 }  // namespace loopline
 
 /// The contract's version: a plugin built against another one is refused with a sentence.
-#define LOOPLINE_API_VERSION "loopline-api-1"
+#define LOOPLINE_API_VERSION "loopline-api-2"
 
 /// Once in every plugin library, at file scope, outside any namespace.
 #define LOOPLINE_PLUGIN()                                                                         \

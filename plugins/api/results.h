@@ -22,6 +22,8 @@ using MetricValue = std::variant<std::int64_t, double, std::string, bool>;
 struct NamedMap {
     std::string name;
     mrpt::serialization::CSerializable::Ptr map;
+    /// A cloud of points in three dimensions, which has files (`map.<name>.*`) and pictures of its own.
+    bool survey = false;
 };
 
 struct Results {

@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <cassert>
 
+#include "api/pose3_motion.h"
+
 namespace loopline {
 namespace {
-
-Pose3 interpolate(const TrajectoryEntry& a, const TrajectoryEntry& b, StampNs stamp_ns) {
-    if (a.stamp_ns == b.stamp_ns) return a.T_map_base;
-    const double u = static_cast<double>(stamp_ns - a.stamp_ns) / static_cast<double>(b.stamp_ns - a.stamp_ns);
-    return {(1 - u) * a.T_map_base.translation_m + u * b.T_map_base.translation_m,
-            a.T_map_base.rotation.slerp(u, b.T_map_base.rotation)};
-}
 
 bool encloses(const TrajectoryEntry& a, const TrajectoryEntry& b, StampNs stamp_ns) {
     return (a.stamp_ns <= stamp_ns && stamp_ns <= b.stamp_ns) || (b.stamp_ns <= stamp_ns && stamp_ns <= a.stamp_ns);
@@ -43,7 +38,7 @@ const TrajectoryEntry* Trajectory::find(std::uint64_t sequence) const {
     return found == index_of_sequence_.end() ? nullptr : &entries_[found->second];
 }
 
-std::optional<Pose3> Trajectory::pose_at(StampNs stamp_ns, std::uint64_t hint_sequence) const {
+std::optional<std::size_t> Trajectory::enclosing(StampNs stamp_ns, std::uint64_t hint_sequence) const {
     if (entries_.empty()) return std::nullopt;
     const auto not_before = std::lower_bound(entries_.begin(), entries_.end(), hint_sequence,
                                              [](const auto& e, std::uint64_t s) { return e.sequence < s; });
@@ -54,9 +49,16 @@ std::optional<Pose3> Trajectory::pose_at(StampNs stamp_ns, std::uint64_t hint_se
             if (left < 0 || left > last) continue;
             const auto& a = entries_[static_cast<std::size_t>(left)];
             const auto& b = entries_[static_cast<std::size_t>(std::min(left + 1, last))];
-            if (encloses(a, b, stamp_ns)) return interpolate(a, b, stamp_ns);
+            if (encloses(a, b, stamp_ns)) return static_cast<std::size_t>(left);
         }
     return std::nullopt;
+}
+
+std::optional<Pose3> Trajectory::pose_at(StampNs stamp_ns, std::uint64_t hint_sequence) const {
+    const auto left = enclosing(stamp_ns, hint_sequence);
+    if (!left) return std::nullopt;
+    const auto &a = entries_[*left], &b = entries_[std::min(*left + 1, entries_.size() - 1)];
+    return ScrewSegment(a.stamp_ns, a.T_map_base, b.stamp_ns, b.T_map_base).at(stamp_ns);
 }
 
 double Trajectory::length_m() const {

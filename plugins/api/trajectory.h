@@ -45,8 +45,12 @@ class Trajectory {
     /// The entry of an observation, or null if that observation has no pose.
     const TrajectoryEntry* find(std::uint64_t sequence) const;
 
-    /// Latest pose at a time, interpolated (slerp) between the two neighbours nearest to `hint_sequence` that enclose
-    /// it; `nullopt` outside of the trajectory.
+    /// The entry that encloses a time together with the next one (or alone, if it is the last), nearest to
+    /// `hint_sequence`; `nullopt` outside of the trajectory.
+    std::optional<std::size_t> enclosing(StampNs stamp_ns, std::uint64_t hint_sequence) const;
+
+    /// Latest pose at a time, interpolated at constant twist between the two neighbours of enclosing(); `nullopt`
+    /// outside of the trajectory. For many times one after the other: PathSampler.
     std::optional<Pose3> pose_at(StampNs stamp_ns, std::uint64_t hint_sequence) const;
 
     /// Length of the latest path, in metres.

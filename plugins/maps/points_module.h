@@ -19,6 +19,7 @@ class PointsMapBuilder : public MapBuilder {
     void start(const RunContext&, const Trajectory& trajectory) override;
     void insert(const StreamItem& item) override;
     void finish(Results& results) override;
+    bool wants_dead_reckoning() const override { return true; }
 
  private:
     double spacing_m_ = 0.05;

@@ -15,7 +15,9 @@ namespace {
 const std::vector<std::pair<std::string, View>> views = {{"top", View::top},
                                                          {"axonometric", View::axonometric},
                                                          {"follow", View::follow},
-                                                         {"before_after", View::before_after}};
+                                                         {"before_after", View::before_after},
+                                                         {"survey_top", View::survey_top},
+                                                         {"survey_axonometric", View::survey_axonometric}};
 
 /// "1280x960"; `nullopt` for anything else and for sizes that are not allowed.
 std::optional<PictureSize> size_from_text(const std::string& text) {
@@ -74,7 +76,8 @@ class RenderCommand : public Command {
             ->required()
             ->type_name("RUNDIR|FILE");
         app.add_option("--view", view_,
-                       "top, axonometric, follow (behind the vehicle at its last pose) or before_after")
+                       "top, axonometric, follow (behind the vehicle at its last pose), before_after, survey_top or "
+                       "survey_axonometric")
             ->capture_default_str()
             ->type_name("VIEW");
         app.add_option("--size", size_, "width and height in pixels")

@@ -36,6 +36,7 @@ class Loader {
         make_chain();
         for (const auto& section : file_.sections)
             if (section.name != "run") read(section);
+        find_truth();
         check_combinations();
         if (!problems_.empty()) throw ConfigurationError(problems_);
         write_effective_ini();
@@ -103,6 +104,22 @@ class Loader {
             else if (fs::is_directory(rawlog, none))
                 report(place, name + "names a folder, not a log: " + rawlog, exit_input_data);
         }
+    }
+
+    /// What `loopline simulate` leaves beside a log.
+    void find_truth() {
+        auto& evaluation = experiment_.evaluation;
+        std::error_code none;
+        const auto take = [&none](std::string& path, const fs::path& found) {
+            if (fs::is_regular_file(found, none)) path = found.string();
+        };
+        const auto& rawlogs = experiment_.run.rawlogs;
+        if (evaluation.truth.empty() && evaluation.truth_beside_log && !rawlogs.empty())
+            take(evaluation.truth, fs::path(rawlogs.front()).replace_extension(".truth.tum"));
+        const std::string end = ".truth.tum", &truth = evaluation.truth;
+        if (evaluation.surveyed.empty() && truth.size() > end.size() &&
+            truth.compare(truth.size() - end.size(), end.size(), end) == 0)
+            take(evaluation.surveyed, fs::path(truth).replace_extension(".csv"));
     }
 
     void make_chain() {

@@ -31,8 +31,13 @@ struct OutputSettings {
 
 /// [evaluation]
 struct EvaluationSettings {
-    std::string truth;      ///< TUM file, or MRPT's "t x y phi"; empty: none
-    std::string relations;  ///< relations file of the Kuemmerle metric; empty: none
+    std::string truth;  ///< TUM file, or MRPT's "t x y phi"; empty: none
+    bool truth_beside_log =
+        true;              ///< if truth is empty: FILE.truth.tum, where the first rawlog is FILE.rawlog
+    std::string surveyed;  ///< true points and walls; empty: FILE.truth.csv beside a truth FILE.truth.tum
+    std::string published_points;  ///< figures of another work for the same points; empty: none
+    double scan_duration_s = 0;    ///< of the lasers that see the points
+    std::string relations;         ///< relations file of the Kuemmerle metric; empty: none
 };
 
 struct Experiment {

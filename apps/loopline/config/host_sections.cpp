@@ -35,6 +35,22 @@ ParameterTable evaluation_table(EvaluationSettings& settings) {
     table
         .path("truth", settings.truth, "True trajectory: a TUM file, or lines of \"t x y phi\"; empty: none.",
               FileNeed::must_exist)
+        .boolean("truth_beside_log", settings.truth_beside_log,
+                 "If truth is empty: FILE.truth.tum beside the first rawlog FILE.rawlog, where it is there.")
+        .path("surveyed", settings.surveyed,
+              "True feature points and walls, as `loopline simulate` writes them; empty: FILE.truth.csv "
+              "beside a "
+              "truth FILE.truth.tum, where it is there.",
+              FileNeed::must_exist)
+        .path("published_points", settings.published_points,
+              "Figures of another work for the same points, shown beside: rows of number, odometry x y, "
+              "estimate x "
+              "y in m; empty: none.",
+              FileNeed::must_exist)
+        .real("scan_duration_s", settings.scan_duration_s, {0, 10},
+              "From the first beam of a scan that sees a feature point, which has its stamp, to its last; 0: "
+              "all "
+              "at once.")
         .path("relations", settings.relations, "Relations file of the Kuemmerle metric; empty: none.",
               FileNeed::must_exist);
     return table;

@@ -5,17 +5,8 @@
 
 #include "evaluate/absolute_error.h"
 #include "evaluate/consistency.h"
-#include "evaluate/read_trajectory.h"
-#include "evaluate/relations.h"
 
 namespace loopline {
-
-struct EvaluationReference {
-    std::vector<StampedPose> truth;
-    std::string truth_path;
-    std::vector<Relation> relations;
-    std::string relations_path;
-};
 
 namespace {
 
@@ -95,17 +86,6 @@ void compare_with_relations(const FinitePoses& estimate, const EvaluationReferen
 }
 
 }  // namespace
-
-std::shared_ptr<const EvaluationReference> load_evaluation_reference(const EvaluationSettings& settings) {
-    if (settings.truth.empty() && settings.relations.empty()) return nullptr;
-    auto reference = std::make_shared<EvaluationReference>();
-    reference->truth_path = settings.truth;
-    reference->relations_path = settings.relations;
-    if (!settings.truth.empty())
-        reference->truth = read_trajectory(settings.truth, "[evaluation] truth").poses;
-    if (!settings.relations.empty()) reference->relations = read_relations(settings.relations);
-    return reference;
-}
 
 RunEvaluation evaluate_run(const Trajectory& trajectory,
                            const std::shared_ptr<const EvaluationReference>& reference) {

@@ -9,15 +9,10 @@
 
 #include "api/results.h"
 #include "api/trajectory.h"
-#include "config/experiment.h"
+#include "evaluate/evaluation_reference.h"
+#include "evaluate/feature_points.h"
 
 namespace loopline {
-
-struct EvaluationReference;  ///< truth and relations, read
-
-/// Reads the files of [evaluation]: call it before the run, so that a file that can't be used is known early.
-/// Null if there are none. Throws CommandError(exit_input_data), one sentence with file:line.
-std::shared_ptr<const EvaluationReference> load_evaluation_reference(const EvaluationSettings& settings);
 
 struct RunEvaluation {
     /// Flat keys of metrics.json: ate_rmse_m ate_max_m ate_mean_m ate_median_m end_error_m nees_mean
@@ -34,5 +29,15 @@ struct RunEvaluation {
 /// rigid alignment. nees_mean is of (x, y, heading): 3 if the covariances are right.
 RunEvaluation evaluate_run(const Trajectory& trajectory,
                            const std::shared_ptr<const EvaluationReference>& reference);
+
+/// Of feature points: points_mean_error_m points_rms_error_m points_max_error_m, points_odometry_* of dead
+/// reckoning, and points_used; and a warning for those that were missed.
+RunEvaluation evaluate_points(const std::vector<PointEstimate>& points, const std::vector<int>& missed);
+
+/// Of survey clouds against the true walls of `reference`: NAME_median_m and NAME_p95_m of the corrected one,
+/// NAME_odometry_median_m and NAME_odometry_p95_m of that by dead reckoning, NAME_wall_points.
+RunEvaluation evaluate_surveys(const Results& results, const Results& odometry_results,
+                               const Trajectory& estimate, const Trajectory* odometry,
+                               const EvaluationReference& reference);
 
 }  // namespace loopline

@@ -19,6 +19,7 @@ class TextRow {
         : file_(file), line_(line), words_(std::move(words)) {}
 
     std::size_t size() const { return words_.size(); }
+    const std::string& word(std::size_t column) const { return words_[column]; }
     /// Finite; otherwise fail().
     double number(std::size_t column) const;
     /// Seconds, all of their decimals kept to the nanosecond; otherwise fail().
@@ -37,5 +38,9 @@ class TextRow {
 /// relations").
 void for_each_row(const std::filesystem::path& file, const std::string& what,
                   const std::function<void(const TextRow&)>& take);
+
+/// The same with the cells of a CSV file, separated by "," or ";", for words; empty cells are left out.
+void for_each_csv_row(const std::filesystem::path& file, const std::string& what,
+                      const std::function<void(const TextRow&)>& take);
 
 }  // namespace loopline

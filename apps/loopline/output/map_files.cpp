@@ -38,7 +38,7 @@ std::vector<std::pair<std::string, std::shared_ptr<Map>>> maps_of_kind(const Res
                                                                        const std::string& only) {
     std::vector<std::pair<std::string, std::shared_ptr<Map>>> found;
     for (const auto& named : results.maps)
-        if (auto map = std::dynamic_pointer_cast<Map>(named.map)) {
+        if (auto map = named.survey ? nullptr : std::dynamic_pointer_cast<Map>(named.map)) {
             const std::string stem = "map." + as_file_name(named.name);
             const auto taken = [&found](const std::string& s) {
                 return std::any_of(found.begin(), found.end(), [&s](const auto& f) { return f.first == s; });
@@ -49,6 +49,19 @@ std::vector<std::pair<std::string, std::shared_ptr<Map>>> maps_of_kind(const Res
         }
     if (found.size() == 1) found[0].first = only;
     return found;
+}
+
+void write_cloud(const fs::path& folder, const std::string& stem, const mrpt::maps::CPointsMap& points,
+                 FileList& list) {
+    list.add(stem + ".ply", write_ply(folder / (stem + ".ply"), points), "points");
+    list.add(stem + ".pcd", write_pcd(folder / (stem + ".pcd"), points), "points");
+}
+
+/// Survey clouds, each under its own name.
+void write_surveys(const fs::path& folder, const Results& results, const std::string& suffix, FileList& list) {
+    for (const auto& named : results.maps)
+        if (const auto cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(named.map); cloud && named.survey)
+            write_cloud(folder, "map." + as_file_name(named.name) + suffix, *cloud, list);
 }
 
 void write_lines(const fs::path& folder, const LineMap& lines, FileList& list) {
@@ -83,10 +96,9 @@ void write_map_files(const fs::path& folder, const Results& results, FileList& l
         write_mrpt_object(folder / (stem + ".gridmap"), *grid);
         list.add(stem + ".gridmap");
     }
-    for (const auto& [stem, points] : maps_of_kind<mrpt::maps::CPointsMap>(results, "map.points")) {
-        list.add(stem + ".ply", write_ply(folder / (stem + ".ply"), *points), "points");
-        list.add(stem + ".pcd", write_pcd(folder / (stem + ".pcd"), *points), "points");
-    }
+    for (const auto& [stem, points] : maps_of_kind<mrpt::maps::CPointsMap>(results, "map.points"))
+        write_cloud(folder, stem, *points, list);
+    write_surveys(folder, results, "", list);
     for (const auto& [stem, simple_map] : maps_of_kind<CSimpleMap>(results, "map")) {
         const auto [map, left_out] = finite_keyframes(*simple_map);
         write_mrpt_object(folder / (stem + ".simplemap"), map);
@@ -100,6 +112,7 @@ void write_odometry_points(const fs::path& folder, const Results& odometry_resul
         const std::string file = (name == stem ? stem : stem + name.substr(3)) + ".ply";
         list.add(file, write_ply(folder / file, *points), "points");
     }
+    write_surveys(folder, odometry_results, "_odometry", list);
 }
 
 }  // namespace loopline

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "output/covariance_csv.h"
+#include "output/feature_points_files.h"
 #include "output/kitti_poses.h"
 #include "output/manifest_json.h"
 #include "output/map_files.h"
@@ -25,6 +26,15 @@ void write_trajectories(const std::filesystem::path& folder, const RunRecord& re
                  "covariances");
     }
     if (record.odometry) tum("odometry.tum", *record.odometry, Estimate::latest);
+}
+
+void write_feature_points(const std::filesystem::path& folder, const RunRecord& record, FileList& list) {
+    const auto& points = record.feature_points.points;
+    if (points.empty()) return;
+    write_feature_points_csv(folder / "feature_points.csv", points);
+    list.add("feature_points.csv");
+    write_whole_file(folder / "table1.md", feature_points_table(points, record.published_points));
+    list.add("table1.md");
 }
 
 /// Files of an earlier run in this folder: its manifest lists them, and they are not newer than it (the
@@ -60,6 +70,7 @@ void write_run_directory(const std::filesystem::path& folder, const RunRecord& r
     const auto before = files_of_earlier_run(folder);
     FileList list;
     if (outputs.trajectory) write_trajectories(folder, record, list);
+    write_feature_points(folder, record, list);
     if (outputs.maps) {
         write_map_files(folder, record.results, list);
         write_odometry_points(folder, record.odometry_results, list);

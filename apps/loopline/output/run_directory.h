@@ -10,12 +10,12 @@
 
 namespace loopline {
 
-/// Writes what `outputs` asks for (metrics.json, config.ini and manifest.json always) into `folder`, which
-/// exists; pictures and the report are not its business. Files that the manifest of an earlier run in the
-/// same folder lists, and this run doesn't have, are removed: what stands there belongs to one run. A file is
-/// written under another name first and then renamed, so that an interrupted run leaves no half file. Values
-/// that are not finite reach no file: their record is left out, and the manifest's warnings say how many.
-/// Throws CommandError if the folder can't be written.
+/// Writes what `outputs` asks for (metrics.json, config.ini, manifest.json and the feature points of a truth
+/// always) into `folder`, which exists; pictures and the report are not its business. Files that the manifest
+/// of an earlier run in the same folder lists, and this run doesn't have, are removed: what stands there
+/// belongs to one run. A file is written under another name first and then renamed, so that an interrupted
+/// run leaves no half file. Values that are not finite reach no file: their record is left out, and the
+/// manifest's warnings say how many. Throws CommandError if the folder can't be written.
 void write_run_directory(const std::filesystem::path& folder, const RunRecord& record,
                          const OutputSettings& outputs);
 

@@ -1,6 +1,9 @@
 #include "pipeline/estimate_pass.h"
 
+#include <mrpt/obs/CObservation2DRangeScan.h>
+
 #include <algorithm>
+#include <memory>
 
 #include "commands/command.h"
 #include "pipeline/file_hash.h"
@@ -87,6 +90,14 @@ void record_input(const RunSetup& setup, const LogSource& source, RunRecord& rec
     record.seed = setup.experiment.run.seed;
 }
 
+/// Null if the truth has no feature points.
+std::unique_ptr<FeaturePointHits> watched_points(const RunSetup& setup) {
+    const auto& reference = setup.reference;
+    if (!reference || reference->surveyed.points.empty() || reference->truth.empty()) return nullptr;
+    return std::make_unique<FeaturePointHits>(reference->surveyed.points, reference->truth,
+                                              reference->scan_duration_s);
+}
+
 /// How the run ended: what the user did counts first, then the log, then the estimate.
 void set_status(RunRecord& record, bool interrupted, bool damaged) {
     const auto set = [&record](const char* status, ExitCode code) {
@@ -117,6 +128,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     const auto stop_requested = [&] {
         return attempt.rules.state != nullptr && attempt.rules.state->stop_requested;
     };
+    const auto points = watched_points(setup);
     std::vector<std::uint64_t> scan_sequences;
     std::uint64_t items = 0;
     bool interrupted = false;
@@ -126,6 +138,10 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
             break;
         if (is_laser_scan(*item.observation)) scan_sequences.push_back(item.sequence);
         chain.process(item);
+        if (points)
+            if (const auto* scan =
+                    dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(item.observation.get()))
+                points->take(*scan, item.stamp_ns, item.sequence);
         progress.tick(source);
     }
     progress.clear();
@@ -136,6 +152,9 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     record_input(setup, source, record);
     for (auto& sentence : recorder.commit()) record.warnings.push_back(std::move(sentence));
     if (!attempt.failure.empty()) record.results.refused = attempt.failure;
+    if (points && record.trajectory != nullptr)
+        record.feature_points = points->estimates(*record.trajectory, record.odometry);
+    if (setup.reference) record.published_points = setup.reference->published;
     if (record.trajectory != nullptr)
         record.scans_used = static_cast<std::uint64_t>(std::count_if(
             scan_sequences.begin(), scan_sequences.end(),

@@ -10,8 +10,6 @@
 namespace loopline {
 namespace {
 
-const char* const builder_of_before_pictures = "points";
-
 struct Drawing {
     MapBuilder::Ptr builder;
     const Trajectory* trajectory;
@@ -26,8 +24,7 @@ std::vector<Drawing> drawings_of(const RunSetup& setup, RunRecord& record) {
     std::vector<Drawing> drawings;
     const bool wanted = experiment.outputs.maps || experiment.outputs.snapshots || experiment.outputs.report;
     if (!wanted || record.trajectory == nullptr || record.trajectory->empty()) return drawings;
-    const bool before_too =
-        experiment.outputs.snapshots && record.odometry != nullptr && !record.odometry->empty();
+    const bool has_odometry = record.odometry != nullptr && !record.odometry->empty();
     for (std::size_t i = 0; i < experiment.map_builders.size(); ++i) {
         const auto& builder = experiment.map_builders[i];
         const std::string name = builder->info().name;
@@ -39,7 +36,7 @@ std::vector<Drawing> drawings_of(const RunSetup& setup, RunRecord& record) {
         const MainInput input(builder->info());
         drawings.push_back(
             {builder, record.trajectory, &record.results, index, &record.modules[name], input});
-        if (before_too && name == builder_of_before_pictures)
+        if (has_odometry && builder->wants_dead_reckoning())
             drawings.push_back({fresh_map_builder(*builder), record.odometry, &record.odometry_results, index,
                                 nullptr, input});
     }

@@ -14,9 +14,15 @@ void enter(WorkerState* state, WorkerState::Stage stage) {
 
 void evaluate(const RunSetup& setup, RunRecord& record) {
     if (record.trajectory == nullptr) return;
-    const RunEvaluation evaluation = evaluate_run(*record.trajectory, setup.reference);
-    record.results.metrics.insert(evaluation.metrics.begin(), evaluation.metrics.end());
-    record.warnings.insert(record.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
+    const auto add = [&record](const RunEvaluation& evaluation) {
+        record.results.metrics.insert(evaluation.metrics.begin(), evaluation.metrics.end());
+        record.warnings.insert(record.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
+    };
+    add(evaluate_run(*record.trajectory, setup.reference));
+    add(evaluate_points(record.feature_points.points, record.feature_points.missed));
+    if (setup.reference)
+        add(evaluate_surveys(record.results, record.odometry_results, *record.trajectory, record.odometry,
+                             *setup.reference));
 }
 
 void make_folder(const std::filesystem::path& folder) {

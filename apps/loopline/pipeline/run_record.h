@@ -8,6 +8,8 @@
 
 #include "api/results.h"
 #include "api/trajectory.h"
+#include "evaluate/evaluation_reference.h"
+#include "evaluate/feature_points.h"
 #include "pipeline/log_facts.h"
 
 namespace loopline {
@@ -46,6 +48,8 @@ struct RunRecord {
     Results results;                         ///< maps from the final poses, metrics of the modules
     Results odometry_results;                ///< the same maps from dead reckoning, for "before" pictures
     std::map<std::string, ModuleTiming> modules;
+    FeaturePointHits::Outcome feature_points;      ///< of a truth that has any
+    std::vector<PublishedPoint> published_points;  ///< figures of another work for them
 
     std::string config_path;
     std::string effective_ini;

@@ -10,6 +10,7 @@
 namespace loopline {
 namespace {
 
+constexpr double colour_bar_ems = 4.6;  // what a colour bar takes of the width
 constexpr double swatch_ems = 2.3;  // a legend's swatch with the space after it
 
 /// Text grows more slowly than the picture: 9 px at 320x240, 16 px at 1280x960.
@@ -67,11 +68,13 @@ Figure::Figure(PictureSize size, const Text& text)
     }
     const bool axes = text.axes && !tiny;
     const double label_left = axes ? 3.0 * small_px_ : 0, label_below = axes ? 1.5 * small_px_ : 0;
+    const bool with_bar = text.colour_bar && !tiny;
+    const double for_panels = inner - (with_bar ? colour_bar_ems * body_px_ : 0);
     const std::size_t count = std::max<std::size_t>(1, text.panel_titles.size());
     const bool stacked = count > 1 && height > 1.15 * width;
     const double gap = count > 1 ? 1.2 * body_px_ : 0;
     for (std::size_t i = 0; i < count; ++i) {
-        Box cell{margin, top, inner, bottom - top};
+        Box cell{margin, top, for_panels, bottom - top};
         if (stacked) {
             cell.height = (cell.height - gap) / count;
             cell.y += i * (cell.height + gap);
@@ -93,6 +96,30 @@ Figure::Figure(PictureSize size, const Text& text)
         const double left = std::round(cell.x), upper = std::round(cell.y);
         panels_.push_back({left, upper, std::max(1.0, std::floor(cell.right()) - left),
                            std::max(1.0, std::floor(cell.bottom()) - upper)});
+    }
+    if (with_bar) draw_colour_bar(*text.colour_bar, width - margin);
+}
+
+void Figure::draw_colour_bar(const ColourBar& bar, double right) {
+    const double upper = panels_.front().y, lower = panels_.back().bottom();
+    const double height_px = std::min(lower - upper, 24 * body_px_);
+    const Box box{right - (colour_bar_ems - 1.2) * body_px_, std::round((upper + lower - height_px) / 2),
+                  0.9 * body_px_, height_px};
+    cv::Mat part = canvas_.drawn_pixels(box);
+    for (int y = 0; y < part.rows; ++y) {
+        const Colour colour = palette::height(1 - (y + 0.5) / part.rows);
+        part.row(y).setTo(cv::Scalar(colour.blue, colour.green, colour.red));
+    }
+    canvas_.outline(box, 0.5, palette::frame);
+    canvas_.text("Height", box.x, box.y - 0.6 * small_px_, small_px_, palette::quiet_ink);
+    double step = 0;
+    const auto values = ticks(bar.lowest_m, bar.highest_m, std::max(2, int(height_px / (2.2 * body_px_))), step);
+    for (const double value : values) {
+        const double share = (value - bar.lowest_m) / std::max(1e-9, bar.highest_m - bar.lowest_m);
+        const double y = box.bottom() - share * box.height;
+        canvas_.polyline({{box.right(), y}, {box.right() + 0.25 * body_px_, y}}, 0.06 * body_px_, palette::ink);
+        canvas_.text(tick_text(value, step) + (value == values.back() ? " m" : ""), box.right() + 0.4 * body_px_,
+                     y + 0.36 * small_px_, small_px_, palette::quiet_ink);
     }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,11 @@ struct MapWindow {
     double top_m() const { return centre_m.y() + box.height / 2 / px_per_m; }
 };
 
+/// A bar with the colours of heights, beside the panels.
+struct ColourBar {
+    double lowest_m = 0, highest_m = 1;
+};
+
 class Figure {
  public:
     struct Text {
@@ -43,6 +49,7 @@ class Figure {
             panel_titles;        ///< one for each panel; a single empty one for an untitled panel
         std::string scale_note;  ///< where the scale bar holds, empty if everywhere
         bool axes = false;       ///< room for tick labels
+        std::optional<ColourBar> colour_bar{};
     };
 
     Figure(PictureSize size, const Text& text);
@@ -70,6 +77,7 @@ class Figure {
     std::vector<std::vector<std::size_t>> legend_rows(const std::vector<LegendEntry>& entries,
                                                       double width_px) const;
     double entry_width_px(const LegendEntry& entry) const;
+    void draw_colour_bar(const ColourBar& bar, double right);
     void swatch(const LegendEntry& entry, const Box& box);
 
     Canvas canvas_;

@@ -8,6 +8,7 @@
 #include "render/render.h"
 #include "render/spatial_scene.h"
 #include "render/spatial_views.h"
+#include "render/survey_views.h"
 
 namespace loopline {
 
@@ -27,6 +28,12 @@ void render_picture(const SceneContent& content, View view, PictureSize size,
         case View::before_after:
             picture = draw_before_after(content, size);
             break;
+        case View::survey_top:
+            picture = draw_survey_top(content, size);
+            break;
+        case View::survey_axonometric:
+            picture = draw_survey_axonometric(content, size);
+            break;
     }
     std::vector<unsigned char> bytes;
     cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 7});
@@ -37,14 +44,19 @@ std::vector<std::filesystem::path> write_snapshots(const SceneContent& content,
                                                    const std::filesystem::path& folder) {
     const std::pair<View, const char*> views[] = {{View::top, "top.png"},
                                                   {View::axonometric, "axonometric.png"},
-                                                  {View::before_after, "before_after.png"}};
+                                                  {View::before_after, "before_after.png"},
+                                                  {View::survey_top, "survey_top.png"},
+                                                  {View::survey_axonometric, "survey_axonometric.png"}};
     std::vector<std::filesystem::path> files;
     std::filesystem::create_directories(folder);
     for (const auto& [view, name] : views) {
         if (view == View::before_after && content.odometry_path.empty() && content.points_odometry_m.empty())
             continue;
+        const bool of_survey = view == View::survey_top || view == View::survey_axonometric;
+        if (of_survey && content.surveys.empty()) continue;
         try {
-            render_picture(content, view, {}, folder / name);
+            render_picture(content, view, of_survey ? survey_picture_size(content) : PictureSize{},
+                           folder / name);
             files.push_back(folder / name);
         } catch (const CommandError& error) {
             // Without a working OpenGL the plans are still worth having.

@@ -51,12 +51,6 @@ void mark_point(Figure& figure, const MapWindow& window, Mark mark,
     if (p_map) figure.mark(mark, window.pixel(*p_map), 0.45 * figure.body_px());
 }
 
-std::string grouped(std::size_t count) {
-    std::string digits = std::to_string(count);
-    for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) digits.insert(i, "\u202f");
-    return digits;
-}
-
 }  // namespace
 
 double path_length_m(const std::vector<Pose3>& path) {

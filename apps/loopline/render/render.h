@@ -15,6 +15,8 @@ enum class View {
     axonometric,   ///< parallel projection from above and aside, walls raised
     follow,        ///< from behind the vehicle at its last pose
     before_after,  ///< scan points by dead reckoning and by the estimate, side by side at one scale
+    survey_top,          ///< the survey cloud from above, by dead reckoning and by the estimate
+    survey_axonometric,  ///< the same in parallel projection from aside
 };
 
 /// One picture with title, legend and scale bar, as PNG; empty content gives a picture that says so. `size`
@@ -23,8 +25,8 @@ enum class View {
 void render_picture(const SceneContent& content, View view, PictureSize size,
                     const std::filesystem::path& png);
 
-/// The set that every run writes into `folder` (top, axonometric, before_after), in a fixed order; returns
-/// the files.
+/// The set that every run writes into `folder` (top, axonometric, before_after, and where there is a survey cloud,
+/// survey_top and survey_axonometric), in a fixed order; returns the files.
 std::vector<std::filesystem::path> write_snapshots(const SceneContent& content,
                                                    const std::filesystem::path& folder);
 

@@ -58,4 +58,10 @@ std::vector<double> ticks(double low, double high, int most, double& step) {
     return values;
 }
 
+std::string grouped(std::size_t count) {
+    std::string digits = std::to_string(count);
+    for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) digits.insert(i, "\u202f");
+    return digits;
+}
+
 }  // namespace loopline

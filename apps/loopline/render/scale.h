@@ -18,4 +18,7 @@ std::string tick_text(double value, double step);
 /// Multiples of a round step within [low, high], at most `most` (>= 2) of them; `step` receives the step.
 std::vector<double> ticks(double low, double high, int most, double& step);
 
+/// "40 213", with narrow spaces.
+std::string grouped(std::size_t count);
+
 }  // namespace loopline

@@ -21,7 +21,7 @@ std::vector<Pose3> poses_of(const Trajectory* trajectory) {
 void add_points(const Results& results, std::vector<Eigen::Vector3f>& points_m) {
     for (const auto& named : results.maps) {
         const auto map = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(named.map);
-        if (!map) continue;
+        if (!map || named.survey) continue;
         const auto& x = map->getPointsBufferRef_x();
         const auto& y = map->getPointsBufferRef_y();
         const auto& z = map->getPointsBufferRef_z();
@@ -31,6 +31,21 @@ void add_points(const Results& results, std::vector<Eigen::Vector3f>& points_m) 
             if (p.allFinite()) points_m.push_back(p);
         }
     }
+}
+
+std::vector<SurveyCloud> surveys_of(const RunRecord& record) {
+    const auto cloud_named = [](const Results& results, const std::string& name) {
+        mrpt::maps::CPointsMap::Ptr cloud;
+        for (const auto& named : results.maps)
+            if (named.survey && named.name == name)
+                cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(named.map);
+        return cloud;
+    };
+    std::vector<SurveyCloud> surveys;
+    for (const auto& named : record.results.maps)
+        if (auto cloud = cloud_named(record.results, named.name))
+            surveys.push_back({named.name, cloud, cloud_named(record.odometry_results, named.name)});
+    return surveys;
 }
 
 }  // namespace
@@ -43,6 +58,7 @@ SceneContent scene_from_record(const RunRecord& record, const std::string& title
     content.lines = record.results.line_map;
     add_points(record.results, content.points_m);
     add_points(record.odometry_results, content.points_odometry_m);
+    content.surveys = surveys_of(record);
     for (const auto& named : record.results.maps)
         if (!content.grid)
             content.grid = std::dynamic_pointer_cast<mrpt::maps::COccupancyGridMap2D>(named.map);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CPointsMap.h>
 
 #include <Eigen/Core>
 #include <filesystem>
@@ -16,6 +17,13 @@ namespace loopline {
 
 struct RunRecord;
 
+/// A survey cloud, with pictures of its own.
+struct SurveyCloud {
+    std::string name;
+    mrpt::maps::CPointsMap::Ptr corrected;  ///< map frame; null if there is none
+    mrpt::maps::CPointsMap::Ptr raw;        ///< by dead reckoning; null if there is none
+};
+
 struct SceneContent {
     std::string title;
     std::vector<Pose3> estimated_path;   ///< map frame
@@ -24,6 +32,7 @@ struct SceneContent {
     std::vector<Eigen::Vector3f> points_m;           ///< scan points by the estimated path
     std::vector<Eigen::Vector3f> points_odometry_m;  ///< scan points by dead reckoning
     mrpt::maps::COccupancyGridMap2D::Ptr grid;       ///< null if there is none
+    std::vector<SurveyCloud> surveys;
 };
 
 SceneContent scene_from_record(const RunRecord& record, const std::string& title);

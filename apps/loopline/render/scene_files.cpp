@@ -70,6 +70,25 @@ std::vector<Eigen::Vector3f> points_from(const fs::path& file) {
     return file.extension() == ".ply" ? read_ply_points(file) : read_pcd_points(file);
 }
 
+mrpt::maps::CPointsMap::Ptr cloud_from(const fs::path& file) {
+    const auto cloud = mrpt::maps::CSimplePointsMap::Create();
+    for (const auto& p : points_from(file)) cloud->insertPointFast(p.x(), p.y(), p.z());
+    cloud->mark_as_modified();
+    return cloud;
+}
+
+/// map.NAME.ply or map.NAME_odometry.ply, which comes after it in name order.
+void add_survey(const fs::path& file, SceneContent& content) {
+    const std::string stem = file.stem().string().substr(4), suffix = "_odometry";
+    const bool is_raw = stem.size() > suffix.size() &&
+                        stem.compare(stem.size() - suffix.size(), suffix.size(), suffix) == 0;
+    const std::string name = is_raw ? stem.substr(0, stem.size() - suffix.size()) : stem;
+    auto& surveys = content.surveys;
+    auto found = std::find_if(surveys.begin(), surveys.end(), [&](const auto& s) { return s.name == name; });
+    if (found == surveys.end()) found = surveys.insert(surveys.end(), {name, nullptr, nullptr});
+    (is_raw ? found->raw : found->corrected) = cloud_from(file);
+}
+
 /// The files of `folder` whose names begin and end like this, in name order.
 std::vector<fs::path> files_like(const fs::path& folder, const std::string& start, const std::string& end) {
     std::vector<fs::path> files;
@@ -86,7 +105,7 @@ std::vector<fs::path> files_like(const fs::path& folder, const std::string& star
 
 bool has_content(const SceneContent& content) {
     return !content.estimated_path.empty() || !content.odometry_path.empty() || !content.points_m.empty() ||
-           (content.lines && !content.lines->empty()) || content.grid;
+           (content.lines && !content.lines->empty()) || content.grid || !content.surveys.empty();
 }
 
 SceneContent scene_from_run(const fs::path& folder) {
@@ -96,6 +115,10 @@ SceneContent scene_from_run(const fs::path& folder) {
     if (fs::exists(folder / "odometry.tum")) content.odometry_path = path_from_tum(folder / "odometry.tum");
     if (fs::exists(folder / "map.lines.csv")) content.lines = read_line_map_csv(folder / "map.lines.csv");
     for (const auto& file : files_like(folder, "map.", ".ply")) {
+        if (file.filename().string().rfind("map.points", 0) != 0) {
+            add_survey(file, content);
+            continue;
+        }
         const bool is_odometry = file.filename().string().find("odometry") != std::string::npos;
         auto& all = is_odometry ? content.points_odometry_m : content.points_m;
         const auto points_m = points_from(file);

@@ -50,12 +50,16 @@ struct Headline {
 };
 
 /// In the order of their tiles.
-constexpr std::array<Headline, 17> headlines = {
+constexpr std::array<Headline, 21> headlines = {
     {{"ate_rmse_m", "absolute trajectory error, RMS", "m"},
      {"ate_max_m", "largest error", "m"},
      {"end_error_m", "error at the end", "m"},
      {"relations_translation_mean_m", "error of relations, mean", "m"},
      {"relations_rotation_mean_deg", "turn error of relations, mean", "\u00b0"},
+     {"points_mean_error_m", "error of feature points, mean", "m"},
+     {"points_max_error_m", "error of feature points, largest", "m"},
+     {"survey_median_m", "survey cloud to true walls, median", "m"},
+     {"survey_odometry_median_m", "the same by dead reckoning", "m"},
      {"distance_m", "distance travelled", "m"},
      {"log_s", "length of the log", "s"},
      {"scans_used", "scans with a pose", ""},

@@ -27,8 +27,8 @@ void write_report(const std::filesystem::path& run_directory) {
         "content=\"width=device-width, initial-scale=1\">\n<title>" +
         html::escaped(run_name(run)) + " \u00b7 Loopline</title>\n<style>" + report_style +
         "</style>\n</head>\n<body>\n<main>\n";
-    page += header_section(run) + alerts_section(run) + figures_section(run) + pictures_section(run) +
-            plots_section(run);
+    page += header_section(run) + alerts_section(run) + figures_section(run) + feature_points_section(run) +
+            pictures_section(run) + plots_section(run);
     page += modules_section(run) + inputs_section(run) + config_section(run) + files_section(run) +
             footer_section(run);
     page += "</main>\n</body>\n</html>\n";

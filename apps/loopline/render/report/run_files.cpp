@@ -96,6 +96,7 @@ RunFiles read_run_files(const fs::path& folder) {
     run.odometry = poses_from(folder / "odometry.tum");
     run.sigmas = sigmas_from(folder / "covariance.csv");
     run.config_ini = whole_file(folder / "config.ini");
+    run.feature_points_table = whole_file(folder / "table1.md");
     run.files = files_below(folder);
     return run;
 }

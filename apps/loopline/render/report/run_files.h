@@ -30,7 +30,8 @@ struct RunFiles {
     std::vector<StampedPose> estimate, odometry;
     std::vector<Sigma> sigmas;
     std::string config_ini;
-    std::vector<RunFile> files;  ///< all of them but the report itself, in name order
+    std::string feature_points_table;  ///< table1.md
+    std::vector<RunFile> files;        ///< all of them but the report itself, in name order
 };
 
 RunFiles read_run_files(const std::filesystem::path& folder);

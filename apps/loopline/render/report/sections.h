@@ -13,6 +13,8 @@ std::string header_section(const RunFiles& run);
 std::string alerts_section(const RunFiles& run);
 /// The figures that one asks for first; all others in a table that is folded away.
 std::string figures_section(const RunFiles& run);
+/// Feature points against their true places.
+std::string feature_points_section(const RunFiles& run);
 /// The snapshots, embedded.
 std::string pictures_section(const RunFiles& run);
 /// Trajectory, standard deviations over time, difference to dead reckoning over distance.

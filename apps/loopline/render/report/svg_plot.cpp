@@ -11,7 +11,7 @@
 namespace loopline {
 namespace {
 
-struct Range {
+struct AxisRange {
     double low = INFINITY, high = -INFINITY;
     void add(double value) {
         low = std::min(low, value);
@@ -34,7 +34,7 @@ std::string unit(double value) {
 }
 
 struct Axes {
-    Range x, y;
+    AxisRange x, y;
     double left = 52, right = 468, top = 26, bottom = 214;
 
     double px(double value) const { return left + (value - x.low) / x.span() * (right - left); }

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 
 #include "render/report/html.h"
 #include "render/report/sections.h"
@@ -51,6 +52,9 @@ std::string caption_of(const std::string& stem) {
     if (stem == "top") return "The map from above";
     if (stem == "axonometric") return "Axonometric view; walls are raised to be seen, the scan is planar";
     if (stem == "before_after") return "Scan points placed by dead reckoning, and by the estimate";
+    if (stem == "survey_top") return "The survey cloud from above, by dead reckoning and by corrected poses";
+    if (stem == "survey_axonometric")
+        return "The survey cloud from aside, by dead reckoning and by corrected poses";
     if (stem == "follow") return "Behind the vehicle at its last pose";
     std::string text = stem;
     std::replace(text.begin(), text.end(), '_', ' ');
@@ -83,17 +87,33 @@ std::string pictures_section(const RunFiles& run) {
     for (const auto& file : run.files)
         if (file.path.rfind("snapshots/", 0) == 0 && ends_with(file.path, ".png")) paths.push_back(file.path);
     const auto rank = [](const std::string& path) {
-        const char* order[] = {"snapshots/top.png", "snapshots/before_after.png",
-                               "snapshots/axonometric.png"};
+        const char* order[] = {"snapshots/top.png", "snapshots/before_after.png", "snapshots/axonometric.png",
+                               "snapshots/survey_top.png", "snapshots/survey_axonometric.png"};
         return std::find(std::begin(order), std::end(order), path) - std::begin(order);
     };
     std::stable_sort(paths.begin(), paths.end(),
                      [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     std::string figures;
-    constexpr std::size_t most_pictures = 4;
+    constexpr std::size_t most_pictures = 6;
     for (std::size_t i = 0; i < paths.size() && i < most_pictures; ++i) figures += figure_of(run, paths[i]);
     return figures.empty() ? ""
                            : "<h2>Pictures</h2>\n<section class=\"pictures\">\n" + figures + "</section>\n";
+}
+
+std::string feature_points_section(const RunFiles& run) {
+    std::string rows;
+    std::istringstream lines(run.feature_points_table);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.size() < 4 || line.front() != '|' || line.compare(0, 3, "| -") == 0) continue;
+        const std::string tag = rows.empty() ? "th" : "td";
+        std::string row;
+        std::istringstream cells(line.substr(1));
+        for (std::string text; std::getline(cells, text, '|');)
+            row += "<" + tag + ">" + escaped(text) + "</" + tag + ">";
+        rows += "<tr>" + row + "</tr>\n";
+    }
+    if (rows.empty()) return {};
+    return "<h2>Feature points</h2>\n<div class=\"wide\"><table>" + rows + "</table></div>\n";
 }
 
 std::string modules_section(const RunFiles& run) {

@@ -1,0 +1,143 @@
+#include "render/cloud_splat.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "render/palette.h"
+
+namespace loopline {
+namespace {
+
+constexpr float nothing = -INFINITY;
+
+struct Surface {
+    cv::Mat1f depth_m;   ///< towards the eye
+    cv::Mat1f height_m;  ///< of the nearest point
+};
+
+Surface nearest_points(cv::Size size, const mrpt::maps::CPointsMap& cloud, const ParallelView& view,
+                       float cut_m) {
+    Surface surface{cv::Mat1f(size, nothing), cv::Mat1f(size, 0.0f)};
+    const auto& x = cloud.getPointsBufferRef_x();
+    const auto& y = cloud.getPointsBufferRef_y();
+    const auto& z = cloud.getPointsBufferRef_z();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (!(z[i] <= cut_m)) continue;
+        const Eigen::Vector3f p = view({x[i], y[i], z[i]});
+        if (!(p.x() >= 0 && p.y() >= 0 && p.x() < size.width - 1 && p.y() < size.height - 1)) continue;
+        const int column = static_cast<int>(p.x()), row = static_cast<int>(p.y());
+        for (int r = row; r < row + 2; ++r) {
+            float* depth = surface.depth_m[r] + column;
+            for (int c = 0; c < 2; ++c)
+                if (p.z() > depth[c]) {
+                    depth[c] = p.z();
+                    surface.height_m(r, column + c) = z[i];
+                }
+        }
+    }
+    return surface;
+}
+
+/// How much of the light reaches a pixel: less where neighbours are nearer to the eye.
+float light_at(const cv::Mat1f& depth_m, int row, int column) {
+    constexpr int reach = 3;
+    constexpr std::array<std::array<int, 2>, 8> around = {
+        {{0, reach}, {0, -reach}, {reach, 0}, {-reach, 0}, {2, 2}, {2, -2}, {-2, 2}, {-2, -2}}};
+    constexpr float most_m = 0.6f, darkness_per_m = 1.3f;
+    float hidden_m = 0;
+    for (const auto& [dy, dx] : around) {
+        const int r = row + dy, c = column + dx;
+        if (r < 0 || c < 0 || r >= depth_m.rows || c >= depth_m.cols) continue;
+        const float nearer_m = depth_m(r, c) - depth_m(row, column);
+        if (nearer_m > 0) hidden_m += std::min(nearer_m, most_m);
+    }
+    return std::exp(-darkness_per_m * hidden_m / 8 * 2);
+}
+
+/// The value that a share of the values is below.
+float sample_quantile(std::vector<float>& values, double share) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+constexpr std::size_t sample_size = 200'000;
+
+}  // namespace
+
+cv::Mat1f splat_cloud(cv::Mat& bgr, const mrpt::maps::CPointsMap& cloud, const ParallelView& view,
+                      const HeightColours& colours) {
+    const Surface surface = nearest_points(bgr.size(), cloud, view, static_cast<float>(colours.cut_m));
+    constexpr int shades = 256;
+    std::array<Colour, shades> ramp;
+    for (int i = 0; i < shades; ++i) ramp[static_cast<std::size_t>(i)] = palette::height(i / (shades - 1.0));
+    const double per_m = (shades - 1) / std::max(1e-3, colours.highest_m - colours.lowest_m);
+    for (int row = 0; row < bgr.rows; ++row)
+        for (int column = 0; column < bgr.cols; ++column) {
+            if (surface.depth_m(row, column) == nothing) continue;
+            const double at = (surface.height_m(row, column) - colours.lowest_m) * per_m;
+            const Colour& c = ramp[static_cast<std::size_t>(std::clamp(at, 0.0, shades - 1.0))];
+            const float light = light_at(surface.depth_m, row, column);
+            bgr.at<cv::Vec3b>(row, column) =
+                cv::Vec3b(cv::saturate_cast<uchar>(c.blue * light), cv::saturate_cast<uchar>(c.green * light),
+                          cv::saturate_cast<uchar>(c.red * light));
+        }
+    return surface.depth_m;
+}
+
+Bounds bounds_of_cloud(const mrpt::maps::CPointsMap& cloud, const Eigen::Matrix3d& axes) {
+    const auto& x = cloud.getPointsBufferRef_x();
+    const auto& y = cloud.getPointsBufferRef_y();
+    const auto& z = cloud.getPointsBufferRef_z();
+    const std::size_t stride = x.size() / sample_size + 1;
+    std::array<std::vector<float>, 3> values;
+    const Eigen::Matrix3f R = axes.cast<float>();
+    for (std::size_t i = 0; i < x.size(); i += stride) {
+        const Eigen::Vector3f p = R * Eigen::Vector3f(x[i], y[i], z[i]);
+        if (p.allFinite())
+            for (int axis = 0; axis < 3; ++axis) values[static_cast<std::size_t>(axis)].push_back(p[axis]);
+    }
+    Bounds bounds;
+    if (values[0].empty()) return bounds;
+    for (int axis = 0; axis < 3; ++axis) {
+        auto& v = values[static_cast<std::size_t>(axis)];
+        bounds.low_m[axis] = sample_quantile(v, 0.001);
+        bounds.high_m[axis] = sample_quantile(v, 0.999);
+    }
+    return bounds;
+}
+
+HeightColours height_colours(const mrpt::maps::CPointsMap& cloud) {
+    HeightColours colours;
+    const Bounds bounds = bounds_of_cloud(cloud, Eigen::Matrix3d::Identity());
+    if (bounds.empty()) return colours;
+    colours.lowest_m = bounds.low_m.z();
+    colours.highest_m = std::max(bounds.high_m.z(), colours.lowest_m + 0.1);
+
+    constexpr double bin_m = 0.05, near_top = 0.2, many_times = 4;
+    const double span_m = colours.highest_m - colours.lowest_m;
+    const auto& z = cloud.getPointsBufferRef_z();
+    std::vector<double> points_at(static_cast<std::size_t>(span_m / bin_m) + 1, 0);
+    const std::size_t stride = z.size() / sample_size + 1;
+    for (std::size_t i = 0; i < z.size(); i += stride) {
+        const double bin = std::floor((z[i] - colours.lowest_m) / bin_m);
+        if (bin >= 0 && bin < double(points_at.size())) ++points_at[static_cast<std::size_t>(bin)];
+    }
+    const auto top =
+        points_at.begin() + static_cast<std::ptrdiff_t>((1 - near_top) * double(points_at.size()));
+    const auto fullest = std::max_element(top, points_at.end());
+    std::vector<double> below(points_at.begin(), top);
+    if (below.size() < 5) return colours;
+    std::nth_element(below.begin(), below.begin() + static_cast<std::ptrdiff_t>(below.size() / 2),
+                     below.end());
+    if (*fullest > many_times * std::max(1.0, below[below.size() / 2])) {
+        constexpr double under_ceiling_m = 0.15;
+        colours.cut_m = colours.lowest_m + bin_m * double(fullest - points_at.begin()) - under_ceiling_m;
+        colours.highest_m = colours.cut_m;
+    }
+    return colours;
+}
+
+}  // namespace loopline

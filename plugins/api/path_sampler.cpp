@@ -1,0 +1,38 @@
+#include "api/path_sampler.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace loopline {
+
+PathSampler::PathSampler(const Trajectory& trajectory, double max_gap_s)
+    : trajectory_(&trajectory), max_gap_s_(max_gap_s) {
+    const auto& entries = trajectory.entries();
+    if (entries.empty()) return;
+    const auto [first, last] = std::minmax_element(
+        entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.stamp_ns < b.stamp_ns; });
+    first_ns_ = first->stamp_ns;
+    last_ns_ = last->stamp_ns;
+}
+
+std::optional<Pose3> PathSampler::at(StampNs stamp_ns, std::uint64_t hint_sequence) {
+    if (stamp_ns < first_ns_ || stamp_ns > last_ns_) return std::nullopt;
+    if (hint_sequence != hint_ || stamp_ns < low_ns_ || stamp_ns > high_ns_) {
+        high_ns_ = low_ns_ - 1;
+        const auto left = trajectory_->enclosing(stamp_ns, hint_sequence);
+        if (!left) return std::nullopt;
+        hint_ = hint_sequence;
+        const auto& entries = trajectory_->entries();
+        const auto &a = entries[*left], &b = entries[std::min(*left + 1, entries.size() - 1)];
+        std::tie(low_ns_, high_ns_) = std::minmax(a.stamp_ns, b.stamp_ns);
+        const auto is_finite = [](const TrajectoryEntry& e) {
+            return e.T_map_base.translation_m.allFinite() && e.T_map_base.rotation.coeffs().allFinite();
+        };
+        usable_ = is_finite(a) && is_finite(b) && seconds_between(low_ns_, high_ns_) <= max_gap_s_;
+        if (usable_) segment_ = ScrewSegment(a.stamp_ns, a.T_map_base, b.stamp_ns, b.T_map_base);
+    }
+    if (!usable_) return std::nullopt;
+    return segment_.at(stamp_ns);
+}
+
+}  // namespace loopline
