@@ -8,12 +8,14 @@
 #include "commands/render.h"
 #include "commands/run.h"
 #include "commands/simulate.h"
+#include "commands/sweep.h"
 
 int main(int argc, char** argv) {
     loopline::survive_closed_pipes();
 
     std::vector<std::unique_ptr<loopline::Command>> commands;
     commands.push_back(loopline::make_run_command());
+    commands.push_back(loopline::make_sweep_command());
     commands.push_back(loopline::make_simulate_command());
     commands.push_back(loopline::make_evaluate_command());
     commands.push_back(loopline::make_render_command());
