@@ -13,6 +13,7 @@ ModuleInfo GridMapBuilder::info() const {
 
 ParameterTable GridMapBuilder::parameters() {
     return ParameterTable("grid", info().sentence)
+        .list("sensors", sensors_, "Labels of the lasers whose scans are used; empty for all.")
         .real("resolution_m", settings_.resolution_m, {0.001, 10}, "Edge of a cell.")
         .real("max_range_m", settings_.max_range_m, {0.1, 1000},
               "Cells farther from the sensor stay as they are; a longer beam only clears its way.")
@@ -40,7 +41,7 @@ void GridMapBuilder::start(const RunContext&, const Trajectory& trajectory) {
 }
 
 void GridMapBuilder::insert(const StreamItem& item) {
-    if (scan_.take(item, *trajectory_) && !drawing_->insert(scan_.beams(), scan_.T_map_sensor()))
+    if (scan_.take(item, *trajectory_, sensors_) && !drawing_->insert(scan_.beams(), scan_.T_map_sensor()))
         ++scans_left_out_;
 }
 

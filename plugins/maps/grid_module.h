@@ -19,6 +19,7 @@ class GridMapBuilder : public MapBuilder {
     void finish(Results& results) override;
 
  private:
+    std::vector<std::string> sensors_;
     maps::GridSettings settings_;
     const Trajectory* trajectory_ = nullptr;
     std::shared_ptr<maps::GridDrawing> drawing_;

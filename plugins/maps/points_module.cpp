@@ -13,6 +13,7 @@ ModuleInfo PointsMapBuilder::info() const {
 
 ParameterTable PointsMapBuilder::parameters() {
     return ParameterTable("points", info().sentence)
+        .list("sensors", sensors_, "Labels of the lasers whose scans are used; empty for all.")
         .real("spacing_m", spacing_m_, {0.001, 100},
               "One point, the first, is kept in every cube with this edge.")
         .real("max_range_m", max_range_m_, {0.1, 10000}, "Returns from farther away are not used.")
@@ -29,7 +30,7 @@ void PointsMapBuilder::start(const RunContext&, const Trajectory& trajectory) {
 }
 
 void PointsMapBuilder::insert(const StreamItem& item) {
-    if (!scan_.take(item, *trajectory_)) return;
+    if (!scan_.take(item, *trajectory_, sensors_)) return;
     const PlanarScan& beams = scan_.beams();
     const Eigen::Matrix3d R_map_sensor = scan_.T_map_sensor().rotation.toRotationMatrix();
     for (std::size_t beam = 0; beam < beams.size(); ++beam) {

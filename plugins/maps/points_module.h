@@ -22,6 +22,7 @@ class PointsMapBuilder : public MapBuilder {
     bool wants_dead_reckoning() const override { return true; }
 
  private:
+    std::vector<std::string> sensors_;
     double spacing_m_ = 0.05;
     double max_range_m_ = 80;
     int max_points_ = 10'000'000;

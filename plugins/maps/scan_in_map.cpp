@@ -2,20 +2,23 @@
 
 #include <mrpt/poses/CPose3D.h>
 
+#include <algorithm>
+
+#include "api/mrpt_pose.h"
+
 namespace loopline::maps {
 
-bool ScanInMap::take(const StreamItem& item, const Trajectory& trajectory) {
+bool ScanInMap::take(const StreamItem& item, const Trajectory& trajectory,
+                     const std::vector<std::string>& sensors) {
     observation_ = dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(item.observation.get());
     if (!observation_) return false;
+    if (!sensors.empty() &&
+        std::find(sensors.begin(), sensors.end(), observation_->sensorLabel) == sensors.end())
+        return false;
     entry_ = trajectory.find(item.sequence);
     if (!entry_ || !to_planar_scan(*observation_, beams_)) return false;
-    T_map_sensor_ = entry_->T_map_base * from_mrpt(observation_->sensorPose);
+    T_map_sensor_ = entry_->T_map_base * pose3_from_mrpt(observation_->sensorPose);
     return T_map_sensor_.translation_m.allFinite() && T_map_sensor_.rotation.coeffs().allFinite();
-}
-
-Pose3 from_mrpt(const mrpt::poses::CPose3D& pose) {
-    const Eigen::Matrix3d rotation = pose.getRotationMatrix().asEigen();
-    return {{pose.x(), pose.y(), pose.z()}, Eigen::Quaterniond(rotation)};
 }
 
 mrpt::poses::CPose3D to_mrpt(const Pose3& pose) {

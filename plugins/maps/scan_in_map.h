@@ -4,6 +4,9 @@
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
+#include <string>
+#include <vector>
+
 #include "api/module.h"
 #include "api/planar_scan.h"
 
@@ -16,9 +19,10 @@ namespace loopline::maps {
 /// Keeps its memory from scan to scan.
 class ScanInMap {
  public:
-    /// Takes `item` if it is a usable 2D scan whose sequence has a finite pose in `trajectory`; false if not,
-    /// and then the rest is meaningless.
-    bool take(const StreamItem& item, const Trajectory& trajectory);
+    /// Takes `item` if it is a usable 2D scan of one of these sensors (labels; empty: of any) whose sequence
+    /// has a finite pose in `trajectory`; false if not, and then the rest is meaningless.
+    bool take(const StreamItem& item, const Trajectory& trajectory,
+              const std::vector<std::string>& sensors = {});
 
     const mrpt::obs::CObservation2DRangeScan& observation() const { return *observation_; }
     const TrajectoryEntry& entry() const { return *entry_; }
@@ -34,7 +38,6 @@ class ScanInMap {
     Pose3 T_map_sensor_;
 };
 
-Pose3 from_mrpt(const mrpt::poses::CPose3D& pose);
 mrpt::poses::CPose3D to_mrpt(const Pose3& pose);
 
 }  // namespace loopline::maps

@@ -32,6 +32,7 @@ ModuleInfo SimpleMapBuilder::info() const {
 
 ParameterTable SimpleMapBuilder::parameters() {
     return ParameterTable("simplemap", info().sentence)
+        .list("sensors", sensors_, "Labels of the lasers whose scans are used; empty for all.")
         .real("distance_m", distance_m_, Range::at_least(0),
               "A scan becomes a keyframe this far from the last one of its sensor; 0 for every scan.")
         .angle("angle_deg", angle_rad_, {0, 180}, "Or when the vehicle has turned by this angle since.")
@@ -51,7 +52,7 @@ bool SimpleMapBuilder::is_keyframe(const Pose3& T_map_base, const Pose3& T_map_l
 }
 
 void SimpleMapBuilder::insert(const StreamItem& item) {
-    if (!scan_.take(item, *trajectory_)) return;
+    if (!scan_.take(item, *trajectory_, sensors_)) return;
     const Pose3& T_map_base = scan_.entry().T_map_base;
     const auto last = T_map_last_.find(scan_.observation().sensorLabel);
     if (last != T_map_last_.end() && !is_keyframe(T_map_base, last->second)) return;

@@ -23,6 +23,7 @@ class SimpleMapBuilder : public MapBuilder {
  private:
     bool is_keyframe(const Pose3& T_map_base, const Pose3& T_map_last) const;
 
+    std::vector<std::string> sensors_;
     double distance_m_ = 0.5;
     double angle_rad_ = 15 * M_PI / 180;
     int max_keyframes_ = 100'000;

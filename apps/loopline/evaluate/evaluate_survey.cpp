@@ -40,13 +40,15 @@ void add_distance(const Results& results, const std::string& suffix, const Traje
 
 RunEvaluation evaluate_points(const std::vector<PointEstimate>& points, const std::vector<int>& missed) {
     RunEvaluation evaluation;
-    std::vector<double> errors_m, odometry_errors_m;
+    std::vector<double> errors_m, true_pose_errors_m, odometry_errors_m;
     for (const PointEstimate& point : points) {
         errors_m.push_back(point.estimate_error_m());
+        true_pose_errors_m.push_back((point.by_true_poses_m - point.true_m).norm());
         if (const auto error_m = point.odometry_error_m()) odometry_errors_m.push_back(*error_m);
     }
     if (!points.empty()) evaluation.metrics["points_used"] = static_cast<std::int64_t>(points.size());
     add_figures(errors_m, "points_", evaluation.metrics);
+    add_figures(true_pose_errors_m, "points_true_poses_", evaluation.metrics);
     add_figures(odometry_errors_m, "points_odometry_", evaluation.metrics);
     if (missed.empty()) return evaluation;
     std::string numbers;

@@ -163,13 +163,15 @@ FeaturePointHits::Outcome FeaturePointHits::estimates(const Trajectory& estimate
         if (T_map_odom) T_odom_base.emplace(*odometry, longest_gap_s);
     }
     for (const Watched& watched : watched_) {
-        Eigen::Vector2d sum_m(0, 0), odometry_sum_m(0, 0);
+        Eigen::Vector2d sum_m(0, 0), true_sum_m(0, 0), odometry_sum_m(0, 0);
         std::size_t returns = 0, by_odometry = 0;
         if (T_map_truth)
             for (const Hit& hit : hits_of_closest_pass(watched)) {
                 const auto pose = T_map_base.at(hit.time_ns, hit.sequence);
-                if (!pose) continue;
+                const auto true_pose = truth_.at(hit.time_ns);
+                if (!pose || !true_pose) continue;
                 sum_m += (*pose * hit.p_base).head<2>();
+                true_sum_m += (*T_map_truth * (*true_pose * hit.p_base)).head<2>();
                 ++returns;
                 const auto odometry_pose =
                     T_odom_base ? T_odom_base->at(hit.time_ns, hit.sequence) : std::nullopt;
@@ -187,6 +189,7 @@ FeaturePointHits::Outcome FeaturePointHits::estimates(const Trajectory& estimate
         const Eigen::Vector2d& p = watched.point.position_m;
         point.true_m = (*T_map_truth * Eigen::Vector3d(p.x(), p.y(), 0)).head<2>();
         point.estimate_m = sum_m / static_cast<double>(returns);
+        point.by_true_poses_m = true_sum_m / static_cast<double>(returns);
         if (by_odometry > 0) point.odometry_m = odometry_sum_m / static_cast<double>(by_odometry);
         outcome.points.push_back(point);
     }
