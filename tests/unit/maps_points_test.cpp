@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "api/mrpt_pose.h"
 #include "maps/points_module.h"
 #include "maps_test_support.h"
 
@@ -45,7 +46,7 @@ struct World {
                                      angle(random));
             const auto scan = scan_of(sparse_ranges(361, 2, random), 1.5 * M_PI,
                                       CPose3D(0.3, 0.1, 1, 2, 0.4, -0.7), i % 2 == 0);
-            trajectory.append(i, 0, maps::from_mrpt(T_map_base), Matrix6d::Zero());
+            trajectory.append(i, 0, pose3_from_mrpt(T_map_base), Matrix6d::Zero());
             items.push_back(item_of(i, scan));
             const auto points = points_in_map(*scan, T_map_base);
             returns.insert(returns.end(), points.begin(), points.end());

@@ -3,6 +3,7 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 
+#include "api/mrpt_pose.h"
 #include "maps/simple_map_module.h"
 #include "maps_test_support.h"
 
@@ -55,7 +56,7 @@ TEST(MapsSimpleMap, covariance_is_in_mrpts_order_and_the_scan_is_whole) {
     covariance(1, 3) = covariance(3, 1) = 0.5;   // y with roll
     const mrpt::poses::CPose3D T_map_base(1, 2, 3, 0.3, 0.2, -0.1);
     Trajectory trajectory;
-    trajectory.append(4, 0, maps::from_mrpt(T_map_base), covariance);
+    trajectory.append(4, 0, pose3_from_mrpt(T_map_base), covariance);
     const auto scan = scan_of({1, 2, 3}, M_PI, {0.1, 0, 0.5, 0, 0, 0});
     Results results;
     const auto map = draw({item_of(4, scan), item_of(5, scan)}, trajectory, results);

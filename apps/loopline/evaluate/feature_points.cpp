@@ -111,18 +111,23 @@ void FeaturePointHits::look_for(Watched& watched, std::size_t pass,
         T_truth_sensor.inverse() *
         Eigen::Vector3d(point_m.x(), point_m.y(), T_truth_sensor.translation_m.z());
     const double distance_m = p_sensor.head<2>().norm();
-    if (distance_m < 2 * hit_radius_m) return;
 
     // The beams that can hit it, with room for the vehicle's motion during the sweep.
+    const auto duration_ns = static_cast<StampNs>(std::llround(1e9 * scan_duration_s_));
+    const Pose3 T_truth_end = truth_.at(stamp_ns + duration_ns).value_or(*T_truth_base) * T_base_sensor;
+    const double moved_m = (T_truth_end.translation_m - T_truth_sensor.translation_m).norm();
+    const double turned_rad = T_truth_end.rotation.angularDistance(T_truth_sensor.rotation);
+    const double room_m = hit_radius_m + 1.1 * moved_m;
     const auto last_beam = static_cast<double>(scan.getScanSize() - 1);
     const double sense = scan.rightToLeft ? 1 : -1, step_rad = scan.aperture / last_beam;
     const double middle = last_beam * (0.5 + sense * std::atan2(p_sensor.y(), p_sensor.x()) / scan.aperture);
-    constexpr double room_rad = 2 * M_PI / 180, room_m = 0.3;
-    const double reach = (std::asin(std::min(1.0, hit_radius_m / distance_m)) + room_rad) / step_rad;
+    const double reach_rad =
+        room_m < distance_m ? std::asin(room_m / distance_m) + 1.1 * turned_rad : 2 * M_PI;
+    const double reach = reach_rad / step_rad + 1;
     const auto first = static_cast<std::size_t>(std::clamp(std::ceil(middle - reach), 0.0, last_beam));
     for (std::size_t beam = first; static_cast<double>(beam) <= std::min(middle + reach, last_beam); ++beam) {
         const double range_m = scan.getScanRange(beam);
-        if (!scan.getScanRangeValidity(beam) || !(std::abs(range_m - distance_m) < room_m)) continue;
+        if (!scan.getScanRangeValidity(beam) || !(std::abs(range_m - distance_m) <= room_m)) continue;
         const double along = static_cast<double>(beam) / last_beam,
                      angle = sense * scan.aperture * (along - 0.5);
         const StampNs time_ns = stamp_ns + static_cast<StampNs>(std::llround(1e9 * scan_duration_s_ * along));

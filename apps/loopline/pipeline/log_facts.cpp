@@ -69,7 +69,7 @@ void LogFacts::add(const mrpt::obs::CObservation& observation, StampNs stamp_ns)
         } else if (!sensor.varies) {
             sensor.varies = sensor.beams != scan->getScanSize() ||
                             std::abs(sensor.aperture_rad - scan->aperture) > 1e-4F ||
-                            differ(pose, sensor.T_base_sensor);
+                            (scan->deltaPitch == 0 && differ(pose, sensor.T_base_sensor));
         }
         sensor.T_base_sensor = pose;  // a servo may turn it bit by bit
     }

@@ -23,7 +23,7 @@ struct SensorFacts {
     std::size_t beams = 0;              ///< of the first scan; 0 if it is no planar scan
     float aperture_rad = 0;             ///< of the first scan
     mrpt::math::TPose3D T_base_sensor;  ///< of the last scan
-    bool varies = false;                ///< beams, aperture or the sensor's place on the vehicle changed
+    bool varies = false;                ///< beams, aperture or, but for a servo, its place on the vehicle changed
 };
 
 class LogFacts {

@@ -84,10 +84,8 @@ void draw_path(Figure& figure, const MapWindow& window, const Side& side) {
     figure.mark(Mark::start, path.front(), 0.4 * figure.body_px());
 }
 
-std::string subtitle_of(const std::vector<Side>& sides, const HeightColours& colours) {
-    std::string text;
-    for (const Side& side : sides)
-        if (text.empty() && side.cloud) text = grouped(side.cloud->size()) + " points of the survey laser";
+std::string subtitle_of(const mrpt::maps::CPointsMap::Ptr& cloud, const HeightColours& colours) {
+    std::string text = cloud ? grouped(cloud->size()) + " points of the survey laser" : "no survey cloud";
     if (std::isfinite(colours.cut_m))
         text += ", cut below the ceiling at " + tick_text(colours.cut_m, 0.1) + " m";
     return text;
@@ -99,7 +97,7 @@ cv::Mat draw(const SceneContent& content, PictureSize size, const Direction& dir
     const HeightColours colours = reference ? height_colours(*reference) : HeightColours{};
     Figure::Text text;
     text.title = content.title + (direction.from_above ? ": survey from above" : ": survey, axonometric");
-    text.subtitle = subtitle_of(sides, colours);
+    text.subtitle = subtitle_of(reference, colours);
     text.axes = direction.from_above;
     for (const Side& side : sides) text.panel_titles.push_back(side.title);
     if (direction.from_above)  // from aside, walls hide the ground
