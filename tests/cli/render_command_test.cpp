@@ -66,7 +66,7 @@ TEST(RenderCommand, wrong_arguments_are_answered_with_a_sentence) {
                                    "99999999999x5", "banana", "640X480", "640x480px"})
         expect_error(folder, {"render", tum, "--size=" + size, "--out", out}, 2, "not a picture size");
     expect_error(folder, {"render", tum, "--view", "side", "--out", out}, 2,
-                 "top, axonometric, follow or before_after");
+                 "top, axonometric, follow, before_after, survey_top or survey_axonometric");
     expect_error(folder, {"render", tum, "--out", folder / "p.jpg"}, 2, "must end in .png");
     expect_error(folder, {"render", tum, "--out", folder / "nowhere/p.png"}, 2, "nowhere");
     expect_error(folder, {"render", folder / "missing", "--out", out}, 3, "There is no file or folder");
