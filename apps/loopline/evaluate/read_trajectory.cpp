@@ -23,22 +23,20 @@ StampedPose kitti_pose(const TextRow& row, std::size_t index) {
 
 TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::string& what) {
     TrajectoryFile trajectory;
-    std::size_t columns = 0;
-    for_each_row(file, what, [&](const TextRow& row) {
-        if (columns == 0) {
-            columns = row.size();
-            trajectory.has_stamps = columns != 12;
-            if (columns != 4 && columns != 8 && columns != 12)
-                row.fail("a trajectory has 8 columns (TUM), 4 (t x y theta) or 12 (KITTI), this line has " +
-                         std::to_string(columns));
-        }
+    const std::size_t columns = columns_of_first_row(file, what);
+    trajectory.has_stamps = columns != 12;
+    if (columns == 8) trajectory.poses = read_tum(file);
+    const auto take = [&](const TextRow& row) {
+        if (columns != 4 && columns != 12)
+            row.fail("a trajectory has 8 columns (TUM), 4 (t x y theta) or 12 (KITTI), this line has " +
+                     std::to_string(columns));
         if (row.size() != columns)
             row.fail("this line has " + std::to_string(row.size()) + " columns, the first one has " +
                      std::to_string(columns));
         if (columns == 4) trajectory.poses.push_back(planar_pose(row));
         if (columns == 12) trajectory.poses.push_back(kitti_pose(row, trajectory.poses.size()));
-    });
-    if (columns == 8) trajectory.poses = read_tum(file);
+    };
+    if (columns != 8) for_each_row(file, what, take);
     if (trajectory.poses.empty())
         throw CommandError(exit_input_data, file.string() + " has no pose in it; give " + what +
                                                 " as TUM (t x y z qx qy qz qw), "

@@ -10,45 +10,69 @@
 namespace loopline {
 namespace {
 
-constexpr const char* blanks = " \t\r\n\v\f";
-
-std::vector<std::string> words_of(const std::string& line) {
-    std::vector<std::string> words;
-    for (std::size_t at = line.find_first_not_of(blanks); at != std::string::npos;) {
-        const std::size_t end = line.find_first_of(blanks, at);
-        words.push_back(line.substr(at, end - at));
-        at = end == std::string::npos ? end : line.find_first_not_of(blanks, end);
-    }
-    return words;
+bool is_blank(char c) {
+    return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
-std::vector<std::string> csv_cells_of(const std::string& line) {
-    std::vector<std::string> cells;
-    for (std::size_t at = 0; at < line.size();) {
-        const std::size_t end = std::min(line.find_first_of(",;", at), line.size());
-        const std::string cell = line.substr(at, end - at);
-        const std::size_t first = cell.find_first_not_of(blanks);
-        if (first != std::string::npos)
-            cells.push_back(cell.substr(first, cell.find_last_not_of(blanks) - first + 1));
-        at = end + 1;
+/// Words one after the other into strings that are there already: a file has many lines.
+class WordList {
+ public:
+    void clear() { used_ = 0; }
+    void add(const char* first, const char* last) {
+        if (used_ == words_.size()) words_.emplace_back();
+        words_[used_++].assign(first, last);
     }
-    return cells;
+    const std::vector<std::string>& words() {
+        words_.resize(used_);
+        return words_;
+    }
+
+ private:
+    std::vector<std::string> words_;
+    std::size_t used_ = 0;
+};
+
+void split_at_blanks(const std::string& line, WordList& words) {
+    const char *at = line.data(), *end = at + line.size();
+    while (true) {
+        at = std::find_if_not(at, end, is_blank);
+        if (at == end) return;
+        const char* const last = std::find_if(at, end, is_blank);
+        words.add(at, last);
+        at = last;
+    }
 }
 
-using Split = std::vector<std::string>(const std::string&);
+/// Cells between "," or ";", without the blanks around them; empty ones are left out.
+void split_cells(const std::string& line, WordList& words) {
+    const char *at = line.data(), *end = at + line.size();
+    while (at < end) {
+        const char* const separator = std::find_if(at, end, [](char c) { return c == ',' || c == ';'; });
+        const char* const first = std::find_if_not(at, separator, is_blank);
+        const char* last = separator;
+        while (last > first && is_blank(last[-1])) --last;
+        if (last > first) words.add(first, last);
+        at = separator == end ? end : separator + 1;
+    }
+}
 
-void for_each_line(const std::filesystem::path& file, const std::string& what, Split* split,
-                   const std::function<void(const TextRow&)>& take) {
+/// Until `take` says false.
+void for_each_line(const std::filesystem::path& file, const std::string& what,
+                   void (*split)(const std::string&, WordList&),
+                   const std::function<bool(const TextRow&)>& take) {
     std::ifstream in(file);
     std::error_code ignored;
     if (!in || !std::filesystem::is_regular_file(file, ignored))
         throw CommandError(exit_input_data,
                            "can't read " + what + " " + file.string() + ": there is no such file");
+    WordList list;
     std::string line;
     for (std::size_t number = 1; std::getline(in, line); ++number) {
-        const auto words = split(line);
+        list.clear();
+        split(line, list);
+        const auto& words = list.words();
         if (words.empty() || words[0][0] == '#' || words[0][0] == '%') continue;
-        take(TextRow(file, number, words));
+        if (!take(TextRow(file, number, words))) return;
     }
 }
 
@@ -83,12 +107,21 @@ StampNs TextRow::stamp(std::size_t column) const {
 
 void for_each_row(const std::filesystem::path& file, const std::string& what,
                   const std::function<void(const TextRow&)>& take) {
-    for_each_line(file, what, words_of, take);
+    for_each_line(file, what, split_at_blanks, [&take](const TextRow& row) { return take(row), true; });
 }
 
 void for_each_csv_row(const std::filesystem::path& file, const std::string& what,
                       const std::function<void(const TextRow&)>& take) {
-    for_each_line(file, what, csv_cells_of, take);
+    for_each_line(file, what, split_cells, [&take](const TextRow& row) { return take(row), true; });
+}
+
+std::size_t columns_of_first_row(const std::filesystem::path& file, const std::string& what) {
+    std::size_t columns = 0;
+    for_each_line(file, what, split_at_blanks, [&columns](const TextRow& row) {
+        columns = row.size();
+        return false;
+    });
+    return columns;
 }
 
 }  // namespace loopline

@@ -12,11 +12,11 @@
 
 namespace loopline {
 
-/// The words of one line of a text file.
+/// The words of one line of a text file; it refers to them and to the file's name, and does not outlive them.
 class TextRow {
  public:
-    TextRow(const std::filesystem::path& file, std::size_t line, std::vector<std::string> words)
-        : file_(file), line_(line), words_(std::move(words)) {}
+    TextRow(const std::filesystem::path& file, std::size_t line, const std::vector<std::string>& words)
+        : file_(file), line_(line), words_(words) {}
 
     std::size_t size() const { return words_.size(); }
     const std::string& word(std::size_t column) const { return words_[column]; }
@@ -28,9 +28,9 @@ class TextRow {
     [[noreturn]] void fail(const std::string& sentence) const;
 
  private:
-    std::filesystem::path file_;
+    const std::filesystem::path& file_;
     std::size_t line_;
-    std::vector<std::string> words_;
+    const std::vector<std::string>& words_;
 };
 
 /// Calls `take` for every line but those that are blank or begin with "#" or "%". Throws
@@ -42,5 +42,8 @@ void for_each_row(const std::filesystem::path& file, const std::string& what,
 /// The same with the cells of a CSV file, separated by "," or ";", for words; empty cells are left out.
 void for_each_csv_row(const std::filesystem::path& file, const std::string& what,
                       const std::function<void(const TextRow&)>& take);
+
+/// 0 if there is no row.
+std::size_t columns_of_first_row(const std::filesystem::path& file, const std::string& what);
 
 }  // namespace loopline

@@ -1,10 +1,12 @@
 #include "output/tum.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <optional>
+#include <string_view>
 
 #include "commands/command.h"
 #include "output/output_file.h"
@@ -28,34 +30,35 @@ std::optional<StampNs> stamp_from_word(const std::string& word) {
     return static_cast<StampNs>(std::llround(*seconds * 1e9));
 }
 
-std::vector<std::string> words_of(const std::string& line) {
-    constexpr const char* blanks = " \t\r";
-    std::vector<std::string> words;
-    for (std::size_t at = line.find_first_not_of(blanks); at != std::string::npos;) {
-        const std::size_t end = line.find_first_of(blanks, at);
-        words.push_back(line.substr(at, end - at));
-        at = end == std::string::npos ? end : line.find_first_not_of(blanks, end);
+/// The words of a line, which they point into; the list is used again for the next line.
+void words_of(const std::string& line, std::vector<std::string_view>& words) {
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    words.clear();
+    const char *at = line.data(), *end = at + line.size();
+    while ((at = std::find_if_not(at, end, is_blank)) != end) {
+        const char* const last = std::find_if(at, end, is_blank);
+        words.emplace_back(at, static_cast<std::size_t>(last - at));
+        at = last;
     }
-    return words;
 }
 
 /// The pose of a line, or what is wrong with it.
-std::optional<StampedPose> parse(const std::vector<std::string>& words, std::string& problem) {
+std::optional<StampedPose> parse(const std::vector<std::string_view>& words, std::string& problem) {
     if (words.size() != 8) {
         problem =
             "has " + std::to_string(words.size()) + " columns instead of the 8 of \"t x y z qx qy qz qw\"";
         return std::nullopt;
     }
-    const auto stamp_ns = stamp_from_word(words[0]);
+    const auto stamp_ns = stamp_from_word(std::string(words[0]));
     if (!stamp_ns) {
-        problem = "has no time in its first column: \"" + words[0] + "\"";
+        problem = "has no time in its first column: \"" + std::string(words[0]) + "\"";
         return std::nullopt;
     }
     std::array<double, 7> v{};
     for (std::size_t i = 0; i < v.size(); ++i) {
         const auto value = finite_number(words[i + 1].data(), words[i + 1].data() + words[i + 1].size());
         if (!value) {
-            problem = "has a column that is not a finite number: \"" + words[i + 1] + "\"";
+            problem = "has a column that is not a finite number: \"" + std::string(words[i + 1]) + "\"";
             return std::nullopt;
         }
         v[i] = *value;
@@ -100,8 +103,9 @@ std::vector<StampedPose> read_tum(const std::filesystem::path& file) {
                                                 ": there is no such file; give one in TUM format");
     std::vector<StampedPose> poses;
     std::string line, problem;
+    std::vector<std::string_view> words;
     for (std::size_t number = 1; std::getline(in, line); ++number) {
-        const auto words = words_of(line);
+        words_of(line, words);
         if (words.empty() || words[0][0] == '#') continue;
         const auto pose = parse(words, problem);
         if (!pose)
