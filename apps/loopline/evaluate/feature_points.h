@@ -30,7 +30,8 @@ struct PointEstimate {
     std::size_t returns = 0;  ///< that hit it
     Eigen::Vector2d true_m = Eigen::Vector2d::Zero();
     Eigen::Vector2d estimate_m = Eigen::Vector2d::Zero();
-    /// The same returns carried by the true poses: off the point by what the walls round it and the noise of the laser do.
+    /// The same returns carried by the true poses: off the point by what the walls round it and the noise of
+    /// the laser do.
     Eigen::Vector2d by_true_poses_m = Eigen::Vector2d::Zero();
     std::optional<Eigen::Vector2d> odometry_m;  ///< none without dead reckoning
 
