@@ -39,6 +39,7 @@ struct StreamItem {
     std::uint64_t sequence = 0;
     StampNs stamp_ns = 0;
     mrpt::obs::CObservation::ConstPtr observation;
+    bool published = false;  ///< by a module of the chain, and not read from the log
 };
 
 /// Takes what a module publishes, to the modules after it in the chain and to the recorder. The observation
@@ -74,13 +75,14 @@ class Module : public Configurable {
     DEFINE_VIRTUAL_MRPT_OBJECT(Module)
  public:
     virtual void start(const RunContext&) {}
+    /// Given are observations of the classes that info() says it needs or uses; all, if it names none.
     virtual void process(const StreamItem& item, Publisher& publisher) = 0;
     /// End of the log: work that was held back; may publish, which the modules after it in the chain still
     /// process before their own finish.
     virtual void drain(Publisher&) {}
     /// After drain() of the whole chain: smoothing, closing loops, handing over maps and figures.
     virtual void finish(Results&) {}
-    /// The path that this module estimates, with all its revisions; null if it estimates none.
+    /// The path that this module estimates, with all its revisions, complete after finish(); null if it estimates none.
     virtual const Trajectory* trajectory() const { return nullptr; }
 
     virtual void save_state(mrpt::serialization::CArchive&) const {}

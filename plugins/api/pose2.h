@@ -8,6 +8,7 @@ namespace loopline {
 
 /// `angle_rad` wrapped to (-pi, pi].
 inline double wrap_to_pi(double angle_rad) {
+    if (angle_rad > -M_PI && angle_rad <= M_PI) return angle_rad;
     const double wrapped = std::remainder(angle_rad, 2 * M_PI);
     return wrapped <= -M_PI ? wrapped + 2 * M_PI : wrapped;
 }

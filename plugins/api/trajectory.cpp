@@ -17,7 +17,6 @@ bool encloses(const TrajectoryEntry& a, const TrajectoryEntry& b, StampNs stamp_
 void Trajectory::append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base,
                         const Matrix6d& covariance) {
     assert(entries_.empty() || sequence > entries_.back().sequence);
-    index_of_sequence_.emplace(sequence, entries_.size());
     entries_.push_back({sequence, stamp_ns, T_map_base, covariance, T_map_base});
 }
 
@@ -34,8 +33,9 @@ void Trajectory::revise(std::size_t index, const Pose3& T_map_base, const Matrix
 }
 
 const TrajectoryEntry* Trajectory::find(std::uint64_t sequence) const {
-    const auto found = index_of_sequence_.find(sequence);
-    return found == index_of_sequence_.end() ? nullptr : &entries_[found->second];
+    const auto found = std::lower_bound(entries_.begin(), entries_.end(), sequence,
+                                        [](const TrajectoryEntry& e, std::uint64_t s) { return e.sequence < s; });
+    return found == entries_.end() || found->sequence != sequence ? nullptr : &*found;
 }
 
 std::optional<std::size_t> Trajectory::enclosing(StampNs stamp_ns, std::uint64_t hint_sequence) const {

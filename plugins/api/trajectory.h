@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 #include "api/pose3.h"
@@ -58,7 +57,6 @@ class Trajectory {
 
    private:
     std::vector<TrajectoryEntry> entries_;
-    std::unordered_map<std::uint64_t, std::size_t> index_of_sequence_;
     std::uint64_t revision_ = 0;
 };
 

@@ -177,10 +177,8 @@ void LineSlam::start(const RunContext&) {
 }
 
 LineSlam::Scan& LineSlam::waiting_scan(const StreamItem& item, Part part) {
-    // What a module publishes carries the sequence of a scan that has gone by; what a log holds has its own.
-    const bool recorded = !newest_item_ || item.sequence > *newest_item_;
-    newest_item_ = std::max(item.sequence, newest_item_.value_or(0));
-    if (recorded)
+    // What a module publishes carries the sequence of its scan; what a log holds has its own.
+    if (!item.published)
         for (Scan& scan : waiting_) {
             const bool has_part = part == Part::lines ? scan.lines != nullptr : scan.T_odom_base.has_value();
             if (scan.stamp_ns == item.stamp_ns && !has_part) return scan;
@@ -205,25 +203,25 @@ void LineSlam::take_command(const std::string& text) {
 
 void LineSlam::process(const StreamItem& item, Publisher& publisher) {
     if (status_ != SlamStatus::good) return;
-    if (const auto lines = std::dynamic_pointer_cast<const CObservationLines>(item.observation)) {
+    const auto* of_class = item.observation->GetRuntimeClass();
+    if (of_class == CLASS_ID(CObservationLines)) {
         Scan& scan = waiting_scan(item, Part::lines);
-        scan.lines = lines;
+        scan.lines = std::static_pointer_cast<const CObservationLines>(item.observation);
         newest_lines_ = scan.sequence;
-    } else if (const auto* odometry =
-                   dynamic_cast<const mrpt::obs::CObservationOdometry*>(item.observation.get());
-               odometry && odometry->sensorLabel == odometry_label) {
+    } else if (of_class == CLASS_ID(mrpt::obs::CObservationOdometry)) {
+        const auto& odometry = static_cast<const mrpt::obs::CObservationOdometry&>(*item.observation);
+        if (odometry.sensorLabel != odometry_label) return;
         waiting_scan(item, Part::odometry).T_odom_base =
-            Pose2{odometry->odometry.x(), odometry->odometry.y(), wrap_to_pi(odometry->odometry.phi())};
+            Pose2{odometry.odometry.x(), odometry.odometry.y(), wrap_to_pi(odometry.odometry.phi())};
     } else {
-        newest_item_ = std::max(item.sequence, newest_item_.value_or(0));
         if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(item.observation.get()))
             take_command(comment->text);
         return;
     }
     while (!waiting_.empty() && status_ == SlamStatus::good) {
-        const Scan& first = waiting_.front();
+        Scan& first = waiting_.front();
         if (first.T_odom_base && first.lines) {
-            estimate(first, publisher);
+            estimate(std::move(first), publisher);
         } else if (first.lines || newest_lines_ <= first.sequence) {
             break;
         }  // else: of a laser whose lines nobody extracts, since lines of a later scan have come
@@ -232,8 +230,8 @@ void LineSlam::process(const StreamItem& item, Publisher& publisher) {
 }
 
 void LineSlam::drain(Publisher& publisher) {
-    for (const Scan& scan : waiting_)
-        if (status_ == SlamStatus::good && scan.lines) estimate(scan, publisher);
+    for (Scan& scan : waiting_)
+        if (status_ == SlamStatus::good && scan.lines) estimate(std::move(scan), publisher);
     waiting_.clear();
     // The last interval may be a short one.
     if (status_ == SlamStatus::good && since_step_) step(*since_step_, publisher);
@@ -247,38 +245,49 @@ std::vector<LineObservation> LineSlam::observations_in_base(const CObservationLi
     return observations;
 }
 
-void LineSlam::estimate(const Scan& scan, Publisher& publisher) {
-    ScanMotion motion;
-    motion.commanded = scan.commanded;
-    if (!trajectory_.empty()) motion.duration_s = seconds_between(previous_stamp_ns_, scan.stamp_ns);
-    previous_stamp_ns_ = scan.stamp_ns;
-    if (!scan.T_odom_base) {
-        ++without_odometry_;
-    } else {
-        if (T_odom_previous_) motion.T_previous_base = T_odom_previous_->inverse() * *scan.T_odom_base;
-        T_odom_previous_ = scan.T_odom_base;
-    }
-    const bool due = interval_->add(motion) || trajectory_.empty();
-    const Pose2 T_map_base = slam_->filter().T_map_base() * interval_->T_step_base();
-    places_.push_back({interval_->T_step_base(), false});
-    trajectory_.append(scan.sequence, scan.stamp_ns, Pose3(T_map_base), Matrix6d::Zero());
-    since_step_ = scan;
-    if (due) step(scan, publisher);
+void LineSlam::estimate(Scan&& scan, Publisher& publisher) {
+    if (!scan.T_odom_base) ++without_odometry_;
+    T_odom_base_ = scan.T_odom_base.value_or(T_odom_base_);
+    const double duration_s = places_.empty() ? 0 : seconds_between(places_.back().stamp_ns, scan.stamp_ns);
+    const bool due = interval_->add({T_odom_base_, duration_s, scan.commanded});
+    places_.push_back({scan.sequence, scan.stamp_ns, interval_->T_step_base(), false});
+    if (due)
+        step(scan, publisher);
+    else
+        since_step_ = std::move(scan);
 }
 
-/// Of the filter, at the latest scan of the trajectory.
+/// Of the filter, at the latest scan.
 void LineSlam::step(const Scan& scan, Publisher& publisher) {
     status_ = slam_->step(interval_->pieces(), observations_in_base(*scan.lines));
     interval_->restart();
     since_step_.reset();
     if (status_ != SlamStatus::good) return;
     places_.back().is_step = true;
-    const Pose2& T_map_base = slam_->filter().T_map_base();
-    const Eigen::Matrix3d covariance = slam_->filter().pose_covariance();
-    trajectory_.replace_last(Pose3(T_map_base), spatial_covariance(covariance));
-    const auto published = pose_observation(T_map_base, covariance);
+    steps_.push_back({slam_->filter().T_map_base(), slam_->filter().pose_covariance()});
+    const auto published = pose_observation(steps_.back().T_map_base, steps_.back().covariance);
     published->timestamp = scan.timestamp;
     publisher.publish(published, scan.sequence);
+}
+
+/// As it was known at each time: by the filter at its steps, by the wheels since the last step between them,
+/// with the covariance of the step to come.
+void LineSlam::lay_out_trajectory() {
+    Pose2 T_map_step;
+    std::size_t steps = 0;
+    for (const ScanPlace& place : places_) {
+        const StepPose* next = steps < steps_.size() ? &steps_[steps] : nullptr;
+        if (place.is_step) {
+            T_map_step = next->T_map_base;
+            ++steps;
+        }
+        const Eigen::Matrix3d covariance = next             ? next->covariance
+                                           : steps_.empty() ? Eigen::Matrix3d::Zero()
+                                                            : steps_.back().covariance;
+        trajectory_.append(place.sequence, place.stamp_ns,
+                           Pose3(place.is_step ? T_map_step : T_map_step * place.T_step_base),
+                           spatial_covariance(covariance));
+    }
 }
 
 /// Steps take the smoothed poses, scans between them what the wheels say, bent so that it leads from one step
@@ -306,22 +315,8 @@ void LineSlam::revise_between(std::size_t from, std::size_t to) {
     }
 }
 
-/// Without smoothing poses stay as they were known; only how well they were is still to be said.
-void LineSlam::cover_between() {
-    const auto& entries = trajectory_.entries();
-    std::size_t last = 0;
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-        if (!places_[k].is_step) continue;
-        for (std::size_t b = last + 1; b < k; ++b) {
-            const double u = static_cast<double>(b - last) / static_cast<double>(k - last);
-            trajectory_.revise(b, entries[b].T_map_base,
-                               (1 - u) * entries[last].covariance + u * entries[k].covariance);
-        }
-        last = k;
-    }
-}
-
 void LineSlam::finish(Results& results) {
+    lay_out_trajectory();
     const LineSlamCounts& counts = slam_->counts();
     auto& metrics = results.metrics;
     metrics["predictions"] = counts.predictions;
@@ -336,7 +331,7 @@ void LineSlam::finish(Results& results) {
     metrics["lines_dropped"] = counts.dropped;
     if (without_odometry_) metrics["scans_without_odometry"] = without_odometry_;
     if (status_ != SlamStatus::good) {
-        results.refused = "line_slam: the estimate diverged after " + std::to_string(trajectory_.size()) +
+        results.refused = "line_slam: the estimate diverged after " + std::to_string(places_.size()) +
                           " scans; check the units of the odometry and the noise given in [line_slam]";
         return;
     }
@@ -353,7 +348,6 @@ void LineSlam::finish(Results& results) {
         }
     }
     if (map.empty()) {
-        cover_between();
         const Ekf& filter = slam_->filter();
         for (int id = 0; id < filter.line_ids(); ++id) {
             if (!filter.exists(id)) continue;

@@ -42,10 +42,17 @@ class LineSlam : public Module {
         std::shared_ptr<const CObservationLines> lines;
         std::optional<line_slam::Regime> commanded;
     };
-    /// Of each entry of the trajectory.
+    /// Of each scan, whether a step or not.
     struct ScanPlace {
+        std::uint64_t sequence;
+        StampNs stamp_ns;
         Pose2 T_step_base;  ///< by the wheels, since the last step before it
         bool is_step = false;
+    };
+    /// What a step knew at its time.
+    struct StepPose {
+        Pose2 T_map_base;
+        Eigen::Matrix3d covariance;  ///< of (x, y, phi)
     };
 
     enum class Part { lines, odometry };
@@ -53,11 +60,11 @@ class LineSlam : public Module {
     Scan& waiting_scan(const StreamItem& item, Part part);
     void take_command(const std::string& text);
     std::vector<line_slam::LineObservation> observations_in_base(const CObservationLines& lines) const;
-    void estimate(const Scan& scan, Publisher& publisher);
+    void estimate(Scan&& scan, Publisher& publisher);
     void step(const Scan& scan, Publisher& publisher);
+    void lay_out_trajectory();
     void revise_trajectory(const line_slam::SmoothedPath& smoothed);
     void revise_between(std::size_t from, std::size_t to);
-    void cover_between();
 
     line_slam::LineSlamParameters slam_parameters_;
     line_slam::IntervalParameters interval_parameters_;
@@ -68,17 +75,17 @@ class LineSlam : public Module {
     // The state: all that a break between two scans must keep.
     std::unique_ptr<line_slam::LineEkfSlam> slam_;
     std::unique_ptr<line_slam::WideInterval> interval_;
-    std::deque<Scan> waiting_;                  ///< by sequence
-    std::uint64_t newest_lines_ = 0;            ///< highest sequence that brought lines
-    std::optional<std::uint64_t> newest_item_;  ///< highest sequence so far
-    std::optional<Scan> since_step_;            ///< the latest scan that was no step
-    std::optional<Pose2> T_odom_previous_;
-    StampNs previous_stamp_ns_ = 0;
+    std::deque<Scan> waiting_;        ///< by sequence
+    std::uint64_t newest_lines_ = 0;  ///< highest sequence that brought lines
+    std::optional<Scan> since_step_;  ///< the latest scan that was no step
+    Pose2 T_odom_base_;               ///< at the latest scan
     std::optional<line_slam::Regime> commanded_;
-    Trajectory trajectory_;
-    std::vector<ScanPlace> places_;  ///< by index in the trajectory
+    std::vector<ScanPlace> places_;
+    std::vector<StepPose> steps_;
     line_slam::SlamStatus status_ = line_slam::SlamStatus::good;
     std::int64_t without_odometry_ = 0;
+
+    Trajectory trajectory_;  ///< laid out at the end: thousands of scans ride between steps
 };
 
 }  // namespace loopline

@@ -3,6 +3,7 @@
 /// wrong.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -32,13 +33,14 @@ using Regimes = std::array<RegimeParameters, regime_count>;
 /// wheels as a part of their sum decides, with hysteresis, so that noise does not change the regime.
 class RegimeWatch {
  public:
-    /// Once per scan; returns the regime since that scan.
-    Regime watch(const WheelSpeed& speed) {
-        const double sum_mps = std::abs(speed.left_mps) + std::abs(speed.right_mps);
+    /// Once per scan, by mean and difference (right minus left) of the wheel speeds; returns the regime since
+    /// that scan.
+    Regime watch(double mean_mps, double difference_mps) {
+        const double sum_mps = std::max(2 * std::abs(mean_mps), std::abs(difference_mps));
         if (sum_mps < 2 * rest_mps) return regime_;
-        const double difference = (speed.right_mps - speed.left_mps) / sum_mps;
-        const bool turns = std::abs(difference) > (regime_ == Regime::straight ? enter_turn : leave_turn);
-        regime_ = !turns ? Regime::straight : difference > 0 ? Regime::left : Regime::right;
+        const double part = difference_mps / sum_mps;
+        const bool turns = std::abs(part) > (regime_ == Regime::straight ? enter_turn : leave_turn);
+        regime_ = !turns ? Regime::straight : part > 0 ? Regime::left : Regime::right;
         return regime_;
     }
     Regime regime() const { return regime_; }

@@ -4,27 +4,37 @@
 
 namespace loopline::line_slam {
 
-bool WideInterval::add(const ScanMotion& motion) {
-    const WheelTravel travel = wheel_travel(motion.T_previous_base, drive_.track_width_m);
-    if (motion.duration_s > 0)
-        speed_ = {travel.left_m / motion.duration_s, travel.right_m / motion.duration_s};
-    const Regime measured = watch_.watch(speed_);
-    regime_ = motion.commanded.value_or(measured);
+namespace {
 
-    if (stretches_.empty() || stretches_.back().regime != regime_) {
-        // The first stretch continues what was driven at the step: if it does not, that too is a change.
-        if (parameters_.re_prediction && (!stretches_.empty() || regime_ != regime_at_step_))
-            ++re_predictions_;
-        stretches_.push_back({regime_, Pose2{}, 0});
-    }
-    Stretch& stretch = stretches_.back();
-    stretch.T_from_to = stretch.T_from_to * motion.T_previous_base;
-    stretch.duration_s += motion.duration_s;
-    T_step_base_ = T_step_base_ * motion.T_previous_base;
+WheelTravel travel_at(const WheelSpeed& speed, double duration_s) {
+    return {speed.left_mps * duration_s, speed.right_mps * duration_s, 0};
+}
+
+}  // namespace
+
+bool WideInterval::add(const ScanMotion& motion) {
+    if (!begun_) T_step_odom_ = motion.T_odom_base.inverse();
+    T_odom_base_ = motion.T_odom_base;
+    T_step_previous_ = T_step_base_;
+    T_step_base_ = T_step_odom_ * motion.T_odom_base;
+    last_duration_s_ = motion.duration_s;
+    const double way_m = (T_step_base_.translation() - T_step_previous_.translation()).norm();
+    const double turn_rad = wrap_to_pi(T_step_base_.phi_rad - T_step_previous_.phi_rad);
+    if (motion.duration_s > 0)
+        watch_.watch(way_m / motion.duration_s, turn_rad * drive_.track_width_m / motion.duration_s);
+    regime_ = motion.commanded.value_or(watch_.regime());
+    if (!begun_) regime_at_step_ = regime_;
+
+    const Regime before = stretches_.empty() ? regime_at_step_ : stretches_.back().regime;
+    if (parameters_.re_prediction && regime_ != before) ++re_predictions_;
+    if (stretches_.empty() || regime_ != before)
+        stretches_.push_back({regime_, T_step_previous_, duration_s_});
     duration_s_ += motion.duration_s;
-    way_m_ += motion.T_previous_base.translation().norm();
+    way_m_ += way_m;
     ++scans_;
-    return is_due();
+    const bool due = !begun_ || is_due();
+    begun_ = true;
+    return due;
 }
 
 bool WideInterval::is_due() const {
@@ -35,10 +45,6 @@ bool WideInterval::is_due() const {
     double variance_m2 = 0;
     for (const MotionPiece& p : pieces()) variance_m2 += p.covariance(0, 0) + p.covariance(1, 1);
     return variance_m2 > parameters_.max_sigma_m * parameters_.max_sigma_m;
-}
-
-WheelTravel WideInterval::travel_at(const WheelSpeed& speed, double duration_s) const {
-    return {speed.left_mps * duration_s, speed.right_mps * duration_s, 0};
 }
 
 MotionPiece WideInterval::piece(Regime regime, WheelTravel travel) const {
@@ -62,17 +68,28 @@ std::vector<MotionPiece> WideInterval::pieces() const {
         return {piece(regime_at_step_, travel_at(speed, duration_s_))};
     }
     std::vector<MotionPiece> pieces;
-    for (const Stretch& s : stretches_)
-        pieces.push_back(piece(s.regime, measured ? wheel_travel(s.T_from_to, drive_.track_width_m)
-                                                  : travel_at(commanded(s.regime), s.duration_s)));
+    for (std::size_t k = 0; k < stretches_.size(); ++k) {
+        const Stretch& s = stretches_[k];
+        const bool last = k + 1 == stretches_.size();
+        const Pose2 T_from_to =
+            s.T_step_from.inverse() * (last ? T_step_base_ : stretches_[k + 1].T_step_from);
+        const double until_s = last ? duration_s_ : stretches_[k + 1].from_s;
+        pieces.push_back(piece(s.regime, measured ? wheel_travel(T_from_to, drive_.track_width_m)
+                                                  : travel_at(commanded(s.regime), until_s - s.from_s)));
+    }
     return pieces;
 }
 
 void WideInterval::restart() {
-    speed_at_step_ = speed_;
+    if (last_duration_s_ > 0) {
+        const WheelTravel last =
+            wheel_travel(T_step_previous_.inverse() * T_step_base_, drive_.track_width_m);
+        speed_at_step_ = {last.left_m / last_duration_s_, last.right_m / last_duration_s_};
+    }
     regime_at_step_ = regime_;
     stretches_.clear();
-    T_step_base_ = Pose2{};
+    T_step_odom_ = T_odom_base_.inverse();
+    T_step_base_ = T_step_previous_ = Pose2{};
     duration_s_ = way_m_ = 0;
     scans_ = 0;
 }

@@ -13,11 +13,11 @@
 
 namespace loopline::line_slam {
 
-/// What the wheels say between two scans.
+/// What is known of a scan before anybody looks at it.
 struct ScanMotion {
-    Pose2 T_previous_base;
-    double duration_s = 0;
-    std::optional<Regime> commanded;  ///< at the later scan, where the log tells it
+    Pose2 T_odom_base;                ///< by the wheels
+    double duration_s = 0;            ///< since the scan before
+    std::optional<Regime> commanded;  ///< where the log tells it
 };
 
 struct IntervalParameters {
@@ -41,7 +41,7 @@ class WideInterval {
     WideInterval(const IntervalParameters& parameters, const DriveParameters& drive)
         : parameters_(parameters), drive_(drive) {}
 
-    /// One more scan. True if it is one for a step of the filter.
+    /// One more scan. True if it is one for a step of the filter; the first is.
     bool add(const ScanMotion& motion);
 
     /// Control and noise for eq. (3)-(6) from the last step to the latest scan: one piece, or as many as
@@ -62,22 +62,22 @@ class WideInterval {
     /// Between two changes of the regime.
     struct Stretch {
         Regime regime;
-        Pose2 T_from_to;  ///< by the wheels
-        double duration_s;
+        Pose2 T_step_from;  ///< where it begins, by the wheels
+        double from_s;      ///< and when, since the step
     };
     bool is_due() const;
     MotionPiece piece(Regime regime, WheelTravel travel) const;
-    WheelTravel travel_at(const WheelSpeed& speed, double duration_s) const;
 
     IntervalParameters parameters_;
     DriveParameters drive_;
     RegimeWatch watch_;
 
-    WheelSpeed speed_, speed_at_step_;
     Regime regime_ = Regime::straight, regime_at_step_ = Regime::straight;
+    WheelSpeed speed_at_step_;
+    bool begun_ = false;
+    Pose2 T_odom_base_, T_step_odom_, T_step_base_, T_step_previous_;
     std::vector<Stretch> stretches_;
-    Pose2 T_step_base_;
-    double duration_s_ = 0;
+    double duration_s_ = 0, last_duration_s_ = 0;
     double way_m_ = 0;
     int scans_ = 0;
     int re_predictions_ = 0;

@@ -79,13 +79,15 @@ void LineExtraction::process(const StreamItem& item, Publisher& publisher) {
     found->sensor_pose = scan->sensorPose;
     found->scan_label = scan->sensorLabel;
     found->scan_beams = scan->getScanSize();
-    found->set_extraction([this, scan](lines::LineSegments& segments) {
-        to_planar_scan(*scan, scan_);
-        extractor_->extract(scan_, segments);
-        ++scans_;
-        segments_ += static_cast<std::int64_t>(segments.size());
-    });
+    found->set_source(*this, scan);
     publisher.publish(found);
+}
+
+void LineExtraction::extract(const mrpt::obs::CObservation2DRangeScan& scan, lines::LineSegments& segments) {
+    to_planar_scan(scan, scan_);
+    extractor_->extract(scan_, segments);
+    ++scans_;
+    segments_ += static_cast<std::int64_t>(segments.size());
 }
 
 void LineExtraction::finish(Results& results) {

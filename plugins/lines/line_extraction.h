@@ -8,10 +8,11 @@
 #include "api/module.h"
 #include "lines/extraction_parameters.h"
 #include "lines/line_extractor.h"
+#include "lines/observation_lines.h"
 
 namespace loopline {
 
-class LineExtraction : public Module {
+class LineExtraction : public Module, private LineSource {
     DEFINE_MRPT_OBJECT(LineExtraction, loopline)
  public:
     ModuleInfo info() const override;
@@ -24,6 +25,7 @@ class LineExtraction : public Module {
 
  private:
     bool wanted(const std::string& sensor_label) const;
+    void extract(const mrpt::obs::CObservation2DRangeScan& scan, lines::LineSegments& segments) override;
 
     lines::ExtractionParameters extraction_;
     std::vector<std::string> sensors_;  ///< labels; empty: all

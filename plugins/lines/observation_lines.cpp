@@ -1,5 +1,6 @@
 #include "lines/observation_lines.h"
 
+#include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
@@ -79,22 +80,26 @@ lines::LineSegment read_segment(mrpt::serialization::CArchive& in) {
 }  // namespace
 
 const lines::LineSegments& CObservationLines::segments() const {
-    if (extraction_) {
-        const Extraction extraction = std::move(extraction_);
-        extraction_ = nullptr;
-        extraction(segments_);
+    if (source_ != nullptr) {
+        LineSource& source = *source_;
+        source_ = nullptr;
+        source.extract(*scan_, segments_);
+        scan_.reset();
     }
     return segments_;
 }
 
 void CObservationLines::set_segments(lines::LineSegments segments) {
     segments_ = std::move(segments);
-    extraction_ = nullptr;
+    source_ = nullptr;
+    scan_.reset();
 }
 
-void CObservationLines::set_extraction(Extraction extraction) {
+void CObservationLines::set_source(LineSource& source,
+                                   std::shared_ptr<const mrpt::obs::CObservation2DRangeScan> scan) {
     segments_.clear();
-    extraction_ = std::move(extraction);
+    source_ = &source;
+    scan_ = std::move(scan);
 }
 
 std::uint8_t CObservationLines::serializeGetVersion() const {

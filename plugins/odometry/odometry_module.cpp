@@ -3,6 +3,7 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationOdometry.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace loopline {
@@ -23,14 +24,6 @@ Matrix6d spatial_covariance(const Eigen::Matrix3d& planar) {
     return covariance;
 }
 
-Eigen::Matrix3d planar_covariance(const Matrix6d& spatial) {
-    const int index[3] = {0, 1, 5};
-    Eigen::Matrix3d planar;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) planar(row, column) = spatial(index[row], index[column]);
-    return planar;
-}
-
 }  // namespace
 
 ModuleInfo Odometry::info() const {
@@ -47,6 +40,8 @@ ParameterTable Odometry::parameters() {
                 "Take the cumulative pose of the observations, or integrate their encoder ticks.")
         .text("sensor_label", sensor_label_,
               "Odometry sensor to use; empty for the one that comes first in the log, others are ignored.")
+        .list("scans", scan_labels_,
+              "Labels of the lasers whose scans get a dead-reckoned pose; empty for all.")
         .real("metres_per_tick_left_m", drive_.metres_per_tick_left_m, Range::at_least(0),
               "Way of the left wheel for one encoder tick; needed with source = ticks.")
         .real("metres_per_tick_right_m", drive_.metres_per_tick_right_m, Range::at_least(0),
@@ -85,9 +80,11 @@ void Odometry::process(const StreamItem& item, Publisher& publisher) {
     const auto* observation = item.observation.get();
     if (const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(observation)) {
         take_odometry(*odometry, item.stamp_ns);
-    } else if (dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(observation)) {
+    } else if (dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(observation) &&
+               (scan_labels_.empty() || std::find(scan_labels_.begin(), scan_labels_.end(),
+                                                  observation->sensorLabel) != scan_labels_.end())) {
         at_scans_.add_scan(item.sequence, item.stamp_ns);
-        waiting_[item.sequence] = {item.stamp_ns, observation->timestamp};
+        waiting_.push_back({item.sequence, item.stamp_ns, observation->timestamp});
         ++scans_;
     } else {
         return;
@@ -136,21 +133,12 @@ void Odometry::take_odometry(const mrpt::obs::CObservationOdometry& observation,
 }
 
 void Odometry::publish(const PlacedScan& placed, Publisher& publisher) {
-    const auto scan = waiting_.find(placed.scan);
-    const ScanStamp stamp = scan->second;
-    waiting_.erase(scan);
+    const ScanStamp stamp = waiting_.front();
+    waiting_.pop_front();
     by_file_order_ += placed.by == PlacedScan::By::file_order;
     extrapolated_ += placed.by == PlacedScan::By::extrapolation;
 
-    if (!T_odom_first_) T_odom_first_ = placed.T_odom_base;
-    const Pose2 T_map_base = T_odom_first_->inverse() * placed.T_odom_base;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    if (!trajectory_.empty()) {
-        const auto& last = trajectory_.entries().back();
-        covariance = propagate_covariance(planar_covariance(last.covariance), last.T_map_base.planar(),
-                                          T_map_base, noise_);
-    }
-    trajectory_.append(placed.scan, stamp.stamp_ns, Pose3(T_map_base), spatial_covariance(covariance));
+    path_.push_back({placed.scan, stamp.stamp_ns, placed.T_odom_base});
 
     const auto observation = mrpt::obs::CObservationOdometry::Create();
     observation->sensorLabel = published_label;
@@ -171,7 +159,22 @@ void Odometry::publish(const PlacedScan& placed, Publisher& publisher) {
     publisher.publish(observation, placed.scan);
 }
 
+void Odometry::lay_out_trajectory() {
+    if (path_.empty()) return;
+    const Pose2 T_map_odom = path_.front().T_odom_base.inverse();
+    Pose2 T_map_previous;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (const DeadReckoned& scan : path_) {
+        const Pose2 T_map_base = T_map_odom * scan.T_odom_base;
+        if (&scan != &path_.front())
+            covariance = propagate_covariance(covariance, T_map_previous, T_map_base, noise_);
+        T_map_previous = T_map_base;
+        trajectory_.append(scan.sequence, scan.stamp_ns, Pose3(T_map_base), spatial_covariance(covariance));
+    }
+}
+
 void Odometry::finish(Results& results) {
+    lay_out_trajectory();
     results.metrics["odometry_samples"] = samples_;
     if (ignored_) results.metrics["odometry_ignored"] = ignored_;
     if (not_finite_) results.metrics["odometry_not_finite"] = not_finite_;

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <deque>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "api/module.h"
 #include "odometry/odometry_at_scans.h"
@@ -35,15 +36,25 @@ class Odometry : public Module {
  private:
     enum class Source { pose, ticks };
     struct ScanStamp {
+        std::uint64_t sequence;
         StampNs stamp_ns;
         mrpt::Clock::time_point timestamp;
     };
 
+    /// Of one scan.
+    struct DeadReckoned {
+        std::uint64_t sequence;
+        StampNs stamp_ns;
+        Pose2 T_odom_base;
+    };
+
+    void lay_out_trajectory();
     void take_odometry(const mrpt::obs::CObservationOdometry& observation, StampNs stamp_ns);
     void publish(const PlacedScan& placed, Publisher& publisher);
 
     Source source_ = Source::pose;
     std::string sensor_label_;
+    std::vector<std::string> scan_labels_;
     DifferentialDrive drive_;
     OdometryNoise noise_;
     OdometryAtScansSettings synchronisation_;
@@ -52,10 +63,10 @@ class Odometry : public Module {
     std::optional<std::string> label_in_use_;
     TickUnwrapper unwrap_ticks_;
     std::optional<WheelTicks> last_ticks_;
-    Pose2 T_odom_base_of_ticks_;  ///< integrated; the origin is where the first counts were read
-    std::map<std::uint64_t, ScanStamp> waiting_;  ///< by sequence
-    std::optional<Pose2> T_odom_first_;           ///< at the first scan
-    Trajectory trajectory_;
+    Pose2 T_odom_base_of_ticks_;         ///< integrated; the origin is where the first counts were read
+    std::deque<ScanStamp> waiting_;      ///< in the log's order, in which they are placed
+    std::vector<DeadReckoned> path_;
+    Trajectory trajectory_;  ///< laid out at the end
 
     std::int64_t samples_ = 0, ignored_ = 0, without_ticks_ = 0, not_finite_ = 0, scans_ = 0,
                  by_file_order_ = 0, extrapolated_ = 0;

@@ -22,15 +22,32 @@ struct Vehicle {
         interval.regimes[1].commanded = {inner_mps, outer_mps};
         interval.regimes[2].commanded = {outer_mps, inner_mps};
     }
-    ScanMotion drives(Regime regime) const {
+    Pose2 motion(Regime regime) const {
         const WheelSpeed v = interval.regimes[static_cast<std::size_t>(regime)].commanded;
-        return {moved({v.left_mps * scan_s, v.right_mps * scan_s, 0}, drive.track_width_m), scan_s, {}};
+        return moved({v.left_mps * scan_s, v.right_mps * scan_s, 0}, drive.track_width_m);
     }
     Pose2 predicted(const WideInterval& wide) const {
         Pose2 T;
         for (const MotionPiece& p : wide.pieces()) T = T * moved(p.travel, drive.track_width_m);
         return T;
     }
+};
+
+/// An interval and a vehicle that drives through it.
+struct Course {
+    const Vehicle& vehicle;
+    WideInterval wide{vehicle.interval, vehicle.drive};
+    Pose2 T_odom_base{3, -2, 1};
+
+    explicit Course(const Vehicle& v) : vehicle(v) {
+        EXPECT_TRUE(wide.add({T_odom_base, 0, {}})) << "the first scan is a step";
+        wide.restart();
+    }
+    bool add(const Pose2& motion, std::optional<Regime> commanded = {}) {
+        T_odom_base = T_odom_base * motion;
+        return wide.add({T_odom_base, scan_s, commanded});
+    }
+    bool drive(Regime regime) { return add(vehicle.motion(regime)); }
 };
 
 void expect_same(const Pose2& a, const Pose2& b, double tolerance_m) {
@@ -40,9 +57,10 @@ void expect_same(const Pose2& a, const Pose2& b, double tolerance_m) {
 
 TEST(WideInterval, every_nth_scan_is_a_step) {
     const Vehicle v;
-    WideInterval wide(v.interval, v.drive);
+    Course course(v);
+    WideInterval& wide = course.wide;
     for (int i = 1; i <= 60; ++i) {
-        const bool due = wide.add(v.drives(Regime::straight));
+        const bool due = course.drive(Regime::straight);
         EXPECT_EQ(due, i % 20 == 0) << i;
         if (!due) continue;
         EXPECT_EQ(wide.pieces().size(), 1u);
@@ -57,15 +75,16 @@ TEST(WideInterval, is_split_at_every_change_of_the_regime) {
          {IntervalParameters::Control::measured, IntervalParameters::Control::commanded}) {
         Vehicle v;
         v.interval.control = control;
-        WideInterval wide(v.interval, v.drive);
-        for (int i = 0; i < 20; ++i) wide.add(v.drives(Regime::straight));
+        Course course(v);
+        WideInterval& wide = course.wide;
+        for (int i = 0; i < 20; ++i) course.drive(Regime::straight);
         wide.restart();
         // Eq. (7)-(10) with two changes in one interval: 6 scans straight, 9 to the left, 5 straight.
         Pose2 truth;
         for (int i = 0; i < 20; ++i) {
-            const ScanMotion motion = v.drives(i < 6 || i >= 15 ? Regime::straight : Regime::left);
-            truth = truth * motion.T_previous_base;
-            EXPECT_EQ(wide.add(motion), i == 19);
+            const Pose2 motion = v.motion(i < 6 || i >= 15 ? Regime::straight : Regime::left);
+            truth = truth * motion;
+            EXPECT_EQ(course.add(motion), i == 19);
         }
         EXPECT_EQ(wide.pieces().size(), 3u);
         EXPECT_EQ(wide.re_predictions(), 2);
@@ -80,10 +99,11 @@ TEST(WideInterval, without_re_prediction_the_first_speed_holds) {
         Vehicle v;
         v.interval.control = control;
         v.interval.re_prediction = false;
-        WideInterval wide(v.interval, v.drive);
-        for (int i = 0; i < 20; ++i) wide.add(v.drives(Regime::straight));
+        Course course(v);
+        WideInterval& wide = course.wide;
+        for (int i = 0; i < 20; ++i) course.drive(Regime::straight);
         wide.restart();
-        for (int i = 0; i < 20; ++i) wide.add(v.drives(i < 6 ? Regime::straight : Regime::left));
+        for (int i = 0; i < 20; ++i) course.drive(i < 6 ? Regime::straight : Regime::left);
         EXPECT_EQ(wide.re_predictions(), 0);
         expect_same(v.predicted(wide), {20 * scan_s * straight_mps, 0, 0}, 1e-12);
     }
@@ -92,19 +112,17 @@ TEST(WideInterval, without_re_prediction_the_first_speed_holds) {
 TEST(WideInterval, a_commanded_regime_in_the_log_is_believed) {
     Vehicle v;
     v.interval.control = IntervalParameters::Control::commanded;
-    WideInterval wide(v.interval, v.drive);
-    for (int i = 0; i < 20; ++i) {
-        ScanMotion motion = v.drives(Regime::straight);  // what wheels that can't be measured might say
-        motion.commanded = Regime::right;
-        wide.add(motion);
-    }
-    expect_same(v.predicted(wide),
+    Course course(v);
+    // What wheels that can't be measured might say.
+    for (int i = 0; i < 20; ++i) course.add(v.motion(Regime::straight), Regime::right);
+    expect_same(v.predicted(course.wide),
                 moved({20 * scan_s * outer_mps, 20 * scan_s * inner_mps, 0}, v.drive.track_width_m), 1e-12);
 }
 
 TEST(WideInterval, noise_in_the_speeds_does_not_change_the_regime) {
     const Vehicle v;
-    WideInterval wide(v.interval, v.drive);
+    Course course(v);
+    WideInterval& wide = course.wide;
     std::mt19937_64 random(5);
     std::normal_distribution<double> noise(0, 1);
     for (int i = 0; i < 5000; ++i) {
@@ -112,7 +130,7 @@ TEST(WideInterval, noise_in_the_speeds_does_not_change_the_regime) {
         const WheelSpeed mean = v.interval.regimes[static_cast<std::size_t>(regime)].commanded;
         const WheelTravel travel{scan_s * (mean.left_mps + 0.003 * noise(random)),
                                  scan_s * (mean.right_mps + 0.003 * noise(random)), 0};
-        if (wide.add({moved(travel, v.drive.track_width_m), scan_s, {}})) wide.restart();
+        if (course.add(moved(travel, v.drive.track_width_m))) wide.restart();
     }
     EXPECT_EQ(wide.re_predictions(), 4);
 }
@@ -121,8 +139,9 @@ TEST(WideInterval, known_slip_shortens_the_travel_and_noise_is_of_the_regime) {
     Vehicle v;
     v.interval.regimes[1].slip_left = 0.5;
     v.interval.regimes[1].sigma_right_m = 0.2;
-    WideInterval wide(v.interval, v.drive);
-    for (int i = 0; i < 20; ++i) wide.add(v.drives(Regime::left));
+    Course course(v);
+    WideInterval& wide = course.wide;
+    for (int i = 0; i < 20; ++i) course.drive(Regime::left);
     ASSERT_EQ(wide.pieces().size(), 1u);
     const MotionPiece p = wide.pieces()[0];
     const double outer_m = 20 * scan_s * outer_mps;
@@ -140,9 +159,11 @@ TEST(WideInterval, adaptive_steps_come_when_something_happens) {
     v.interval.max_way_m = 0.2;
     v.interval.max_turn_rad = 0.1;
     const auto scans_until_due = [&](Regime regime, const IntervalParameters& interval) {
-        WideInterval wide(interval, v.drive);
+        Vehicle other = v;
+        other.interval = interval;
+        Course course(other);
         int scans = 1;
-        while (!wide.add(v.drives(regime))) ++scans;
+        while (!course.drive(regime)) ++scans;
         return scans;
     };
     EXPECT_EQ(scans_until_due(Regime::straight, v.interval),
@@ -152,10 +173,9 @@ TEST(WideInterval, adaptive_steps_come_when_something_happens) {
     IntervalParameters careful = v.interval;
     careful.max_sigma_m = 0.005;
     EXPECT_LT(scans_until_due(Regime::straight, careful), 40);
-    IntervalParameters at_rest = v.interval;
-    WideInterval wide(at_rest, v.drive);
+    Course course(v);
     int scans = 1;
-    while (!wide.add({Pose2{}, scan_s, {}})) ++scans;
+    while (!course.add(Pose2{})) ++scans;
     EXPECT_EQ(scans, 100);
 }
 

@@ -59,6 +59,7 @@ mrpt::serialization::CSerializable::Ptr ArchiveReader::next() {
 }
 
 mrpt::serialization::CSerializable::Ptr ArchiveReader::end(LogEnd ending, const std::string& damage) {
+    guard_.lift();
     ending_ = ending;
     damage_ = damage.empty() ? damage : path_ + ": " + damage;
     return {};

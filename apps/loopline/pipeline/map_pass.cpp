@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "pipeline/interest.h"
 #include "pipeline/log_source.h"
-#include "pipeline/main_input.h"
 #include "pipeline/progress.h"
 #include "pipeline/stopwatch.h"
 
@@ -16,7 +16,7 @@ struct Drawing {
     Results* results;
     int index;             ///< in [run] maps
     ModuleTiming* timing;  ///< null where nobody asks
-    MainInput main_input;
+    Interest interest;
 };
 
 std::vector<Drawing> drawings_of(const RunSetup& setup, RunRecord& record) {
@@ -33,22 +33,24 @@ std::vector<Drawing> drawings_of(const RunSetup& setup, RunRecord& record) {
             continue;
         }
         const int index = static_cast<int>(i);
-        const MainInput input(builder->info());
+        const Interest interest(builder->info());
         drawings.push_back(
-            {builder, record.trajectory, &record.results, index, &record.modules[name], input});
+            {builder, record.trajectory, &record.results, index, &record.modules[name], interest});
         if (has_odometry && builder->wants_dead_reckoning())
             drawings.push_back({fresh_map_builder(*builder), record.odometry, &record.odometry_results, index,
-                                nullptr, input});
+                                nullptr, interest});
     }
     return drawings;
 }
 
-void insert(const Drawing& drawing, const StreamItem& item) {
+void insert(Drawing& drawing, const StreamItem& item) {
+    const Interest::Kind interest = drawing.interest.in(*item.observation);
+    if (interest == Interest::Kind::none) return;
     const auto start = Clock::now();
     drawing.builder->insert(item);
     if (drawing.timing == nullptr) return;
     const double elapsed_ms = milliseconds_since(start);
-    drawing.timing->calls += drawing.main_input.holds(*item.observation) ? 1 : 0;
+    drawing.timing->calls += interest == Interest::Kind::main ? 1 : 0;
     drawing.timing->total_ms += elapsed_ms;
     drawing.timing->worst_ms = std::max(drawing.timing->worst_ms, elapsed_ms);
 }
@@ -56,7 +58,7 @@ void insert(const Drawing& drawing, const StreamItem& item) {
 }  // namespace
 
 void map_pass(const RunSetup& setup, const Attempt& attempt, std::uint64_t items, RunRecord& record) {
-    const auto drawings = drawings_of(setup, record);
+    auto drawings = drawings_of(setup, record);
     if (drawings.empty() || attempt.without_maps) return;
     WorkerState* state = attempt.rules.state;
     const auto at_work = [state](const Drawing& drawing, std::uint64_t position) {
@@ -67,7 +69,7 @@ void map_pass(const RunSetup& setup, const Attempt& attempt, std::uint64_t items
     for (const auto& drawing : drawings)
         drawing.builder->start({setup.threads, setup.experiment.run.seed}, *drawing.trajectory);
     for (StreamItem item; source.next(item) && item.sequence < items;) {
-        for (const auto& drawing : drawings) {
+        for (auto& drawing : drawings) {
             at_work(drawing, item.sequence);
             insert(drawing, item);
         }

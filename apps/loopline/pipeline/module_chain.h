@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "api/module.h"
-#include "pipeline/main_input.h"
+#include "pipeline/interest.h"
 #include "pipeline/run_record.h"
 #include "pipeline/worker_state.h"
 
@@ -42,7 +42,7 @@ class ModuleChain {
     void flow(std::size_t first, std::uint64_t root_sequence);
 
     std::vector<Module::Ptr> modules_;
-    std::vector<MainInput> main_inputs_;
+    std::vector<Interest> interests_;
     std::vector<ModuleTiming> timings_;
     WorkerState* state_;
     Listener listener_;

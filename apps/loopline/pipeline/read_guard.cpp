@@ -34,6 +34,7 @@ ReadGuard::ReadGuard(WorkerState* state, int input, std::uint64_t file_bytes)
 }
 
 ReadGuard::~ReadGuard() {
+    lift();
     if (statm_ >= 0) ::close(statm_);
 }
 
@@ -49,13 +50,17 @@ void ReadGuard::measure_address_space() {
 void ReadGuard::enter(std::uint64_t object) {
     if (state_ != nullptr) state_->enter(WorkerState::Stage::reading, input_, object);
     if (statm_ < 0) return;
-    if (object % objects_per_measurement == 0) measure_address_space();
+    if (object % objects_per_measurement != 0) return;
+    measure_address_space();
     if (lowered_.rlim_cur != 0) setrlimit(RLIMIT_AS, &lowered_);
 }
 
 void ReadGuard::leave() {
-    if (statm_ >= 0) setrlimit(RLIMIT_AS, &normal_);
     if (state_ != nullptr) state_->stage.store(WorkerState::Stage::idle, std::memory_order_relaxed);
+}
+
+void ReadGuard::lift() {
+    if (statm_ >= 0) setrlimit(RLIMIT_AS, &normal_);
 }
 
 }  // namespace loopline

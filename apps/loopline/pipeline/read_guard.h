@@ -1,5 +1,7 @@
 /// Damaged bytes can make MRPT's readers allocate gigabytes, hang or crash. This lowers the process's memory
-/// limit while it is inside CArchive::ReadObject(), and marks that for the supervisor, if there is one.
+/// limit while a log is read, and marks each CArchive::ReadObject() for the supervisor, if there is one. Two
+/// system calls around each object would cost a tenth of the reading: the limit is set now and then, a
+/// gigabyte above what the process has by then.
 #pragma once
 
 #include <sys/resource.h>
@@ -37,6 +39,8 @@ class ReadGuard {
     /// Just before and just after ReadObject().
     void enter(std::uint64_t object);
     void leave();
+    /// No more objects will be read.
+    void lift();
 
  private:
     void measure_address_space();
