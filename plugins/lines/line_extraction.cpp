@@ -67,15 +67,17 @@ bool LineExtraction::wanted(const std::string& sensor_label) const {
 }
 
 void LineExtraction::process(const StreamItem& item, Publisher& publisher) {
+    if (!wanted(item.observation->sensorLabel)) return;
     const auto scan = std::dynamic_pointer_cast<const mrpt::obs::CObservation2DRangeScan>(item.observation);
-    if (!scan || !wanted(scan->sensorLabel)) return;
+    if (!scan) return;
     if (!is_usable(*scan)) {
         ++unusable_scans_;
         return;
     }
-    auto found = CObservationLines::Create();
+    const auto found = pool_.take();
     found->timestamp = scan->timestamp;
-    found->sensorLabel = scan->sensorLabel.empty() ? label_ : label_ + "_" + scan->sensorLabel;
+    found->sensorLabel = label_;
+    if (!scan->sensorLabel.empty()) found->sensorLabel.append("_").append(scan->sensorLabel);
     found->sensor_pose = scan->sensorPose;
     found->scan_label = scan->sensorLabel;
     found->scan_beams = scan->getScanSize();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "api/module.h"
+#include "api/observation_pool.h"
 #include "lines/extraction_parameters.h"
 #include "lines/line_extractor.h"
 #include "lines/observation_lines.h"
@@ -33,6 +34,7 @@ class LineExtraction : public Module, private LineSource {
 
     std::unique_ptr<lines::LineExtractor> extractor_;
     PlanarScan scan_;
+    ObservationPool<CObservationLines> pool_;
     std::int64_t scans_ = 0, unusable_scans_ = 0, segments_ = 0;
 };
 

@@ -140,19 +140,19 @@ void Odometry::publish(const PlacedScan& placed, Publisher& publisher) {
 
     path_.push_back({placed.scan, stamp.stamp_ns, placed.T_odom_base});
 
-    const auto observation = mrpt::obs::CObservationOdometry::Create();
+    const auto observation = pool_.take();
     observation->sensorLabel = published_label;
     observation->timestamp = stamp.timestamp;
     observation->odometry = {placed.T_odom_base.x_m, placed.T_odom_base.y_m, placed.T_odom_base.phi_rad};
+    observation->hasEncodersInfo = placed.ticks.has_value();
     if (placed.ticks) {
-        observation->hasEncodersInfo = true;
         observation->encoderLeftTicks =
             static_cast<std::int32_t>(static_cast<std::uint32_t>(placed.ticks->left));
         observation->encoderRightTicks =
             static_cast<std::int32_t>(static_cast<std::uint32_t>(placed.ticks->right));
     }
+    observation->hasVelocities = placed.velocity.has_value();
     if (placed.velocity) {
-        observation->hasVelocities = true;
         observation->velocityLocal = {placed.velocity->forward_m, placed.velocity->left_m,
                                       placed.velocity->turn_rad};
     }

@@ -1,6 +1,8 @@
 /// Module "odometry": dead reckoning from a log's odometry, given at the time of every scan.
 #pragma once
 
+#include <mrpt/obs/CObservationOdometry.h>
+
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -8,11 +10,8 @@
 #include <vector>
 
 #include "api/module.h"
+#include "api/observation_pool.h"
 #include "odometry/odometry_at_scans.h"
-
-namespace mrpt::obs {
-class CObservationOdometry;
-}
 
 namespace loopline {
 
@@ -63,8 +62,9 @@ class Odometry : public Module {
     std::optional<std::string> label_in_use_;
     TickUnwrapper unwrap_ticks_;
     std::optional<WheelTicks> last_ticks_;
-    Pose2 T_odom_base_of_ticks_;         ///< integrated; the origin is where the first counts were read
-    std::deque<ScanStamp> waiting_;      ///< in the log's order, in which they are placed
+    Pose2 T_odom_base_of_ticks_;     ///< integrated; the origin is where the first counts were read
+    std::deque<ScanStamp> waiting_;  ///< in the log's order, in which they are placed
+    ObservationPool<mrpt::obs::CObservationOdometry> pool_;
     std::vector<DeadReckoned> path_;
     Trajectory trajectory_;  ///< laid out at the end
 
