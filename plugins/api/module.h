@@ -85,6 +85,13 @@ class Module : public Configurable {
     /// The path that this module estimates, with all its revisions, complete after finish(); null if it estimates none.
     virtual const Trajectory* trajectory() const { return nullptr; }
 
+    /// Whether the two below are there, or there is no state. A chain makes checkpoints if all its modules
+    /// say so.
+    virtual bool can_resume() const { return false; }
+    /// All that start() and process() made, so that load_state() in another process, after start() with the
+    /// same parameters, goes on as if there had been no break: see api/state_archive.h. Called between two
+    /// items; nothing that can be seen may change by it. load_state() throws std::exception if what it reads
+    /// does not fit.
     virtual void save_state(mrpt::serialization::CArchive&) const {}
     virtual void load_state(mrpt::serialization::CArchive&) {}
 };

@@ -103,6 +103,8 @@ class Ekf {
     bool is_sound() const;
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, Ekf&);
     void predict_piece(const MotionPiece& piece);
 
     enum class Part { active, passive, gone };

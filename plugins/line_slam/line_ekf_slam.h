@@ -57,6 +57,8 @@ class LineEkfSlam {
     const LineSlamCounts& counts() const { return counts_; }
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, LineEkfSlam&);
     /// Returns the length of the way.
     double predict(const std::vector<MotionPiece>& motion);
     void discount_repetition(double way_m, std::vector<LineObservation>& observations) const;

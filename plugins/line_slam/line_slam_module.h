@@ -31,8 +31,13 @@ class LineSlam : public Module {
     void drain(Publisher& publisher) override;
     void finish(Results& results) override;
     const Trajectory* trajectory() const override { return &trajectory_; }
+    bool can_resume() const override { return true; }
+    void save_state(mrpt::serialization::CArchive& out) const override;
+    void load_state(mrpt::serialization::CArchive& in) override;
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, LineSlam&);
     /// What is known of one scan so far.
     struct Scan {
         std::uint64_t sequence = 0;

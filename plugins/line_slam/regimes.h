@@ -46,6 +46,8 @@ class RegimeWatch {
     Regime regime() const { return regime_; }
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, RegimeWatch&);
     static constexpr double enter_turn = 0.4, leave_turn = 0.2;
     static constexpr double rest_mps = 0.005;  // slower than this is standing still, which is no turn
     Regime regime_ = Regime::straight;

@@ -42,6 +42,8 @@ class TentativeLines {
     void forget_stale(int scan);
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, TentativeLines&);
     TentativeParameters parameters_;
     std::vector<TentativeLine> lines_;
 };

@@ -59,6 +59,8 @@ class WideInterval {
     int re_predictions() const { return re_predictions_; }
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, WideInterval&);
     /// Between two changes of the regime.
     struct Stretch {
         Regime regime;

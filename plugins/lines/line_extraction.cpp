@@ -2,6 +2,8 @@
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
+#include <mrpt/serialization/CArchive.h>
+
 #include <algorithm>
 
 #include "lines/observation_lines.h"
@@ -59,7 +61,7 @@ ParameterTable LineExtraction::parameters() {
 
 void LineExtraction::start(const RunContext&) {
     extractor_ = lines::make_line_extractor(extraction_);
-    scans_ = unusable_scans_ = segments_ = 0;
+    scans_ = unusable_scans_ = 0;
 }
 
 bool LineExtraction::wanted(const std::string& sensor_label) const {
@@ -82,20 +84,26 @@ void LineExtraction::process(const StreamItem& item, Publisher& publisher) {
     found->scan_label = scan->sensorLabel;
     found->scan_beams = scan->getScanSize();
     found->set_source(*this, scan);
+    ++scans_;
     publisher.publish(found);
 }
 
 void LineExtraction::extract(const mrpt::obs::CObservation2DRangeScan& scan, lines::LineSegments& segments) {
     to_planar_scan(scan, scan_);
     extractor_->extract(scan_, segments);
-    ++scans_;
-    segments_ += static_cast<std::int64_t>(segments.size());
 }
 
 void LineExtraction::finish(Results& results) {
     results.metrics["lines_scans"] = scans_;
     results.metrics["lines_unusable_scans"] = unusable_scans_;
-    results.metrics["lines_extracted"] = segments_;
+}
+
+void LineExtraction::save_state(mrpt::serialization::CArchive& out) const {
+    out << scans_ << unusable_scans_;
+}
+
+void LineExtraction::load_state(mrpt::serialization::CArchive& in) {
+    in >> scans_ >> unusable_scans_;
 }
 
 }  // namespace loopline

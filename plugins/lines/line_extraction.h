@@ -23,6 +23,9 @@ class LineExtraction : public Module, private LineSource {
     /// are extracted when a module or the recorder looks at them, which must be while this module lives.
     void process(const StreamItem& item, Publisher& publisher) override;
     void finish(Results& results) override;
+    bool can_resume() const override { return true; }
+    void save_state(mrpt::serialization::CArchive& out) const override;
+    void load_state(mrpt::serialization::CArchive& in) override;
 
  private:
     bool wanted(const std::string& sensor_label) const;
@@ -35,7 +38,7 @@ class LineExtraction : public Module, private LineSource {
     std::unique_ptr<lines::LineExtractor> extractor_;
     PlanarScan scan_;
     ObservationPool<CObservationLines> pool_;
-    std::int64_t scans_ = 0, unusable_scans_ = 0, segments_ = 0;
+    std::int64_t scans_ = 0, unusable_scans_ = 0;
 };
 
 }  // namespace loopline

@@ -32,6 +32,8 @@ class TickUnwrapper {
     WheelTicks operator()(std::int32_t left, std::int32_t right);
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, TickUnwrapper&);
     std::optional<WheelTicks> last_;
 };
 

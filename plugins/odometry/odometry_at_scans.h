@@ -58,6 +58,8 @@ class OdometryAtScans {
     std::size_t waiting() const { return scans_.size(); }
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, OdometryAtScans&);
     struct WaitingScan {
         std::uint64_t scan;
         StampNs stamp_ns;

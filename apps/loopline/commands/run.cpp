@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "pipeline/checkpoint.h"
 #include "pipeline/log_file.h"
 #include "pipeline/run.h"
 #include "pipeline/supervisor.h"
@@ -58,6 +59,7 @@ class RunCommand : public Command {
             ->allow_extra_args(false);
         app.add_option("--threads", threads_, "At most so many; the result does not depend on it")
             ->check(CLI::Range(1, 1024));
+        app.add_flag("--resume", resume_, "Go on from the checkpoint in the run directory");
         app.add_flag("--quiet", quiet_, "Say nothing but warnings and errors");
     }
 
@@ -71,6 +73,7 @@ class RunCommand : public Command {
         for (const auto& rawlog : setup.experiment.run.rawlogs) LogFile can_be_opened(rawlog);
         setup.reference = load_evaluation_reference(setup.experiment.evaluation);
         check_folder(setup.folder);
+        if (resume_) setup.checkpoint = std::make_shared<const Checkpoint>(setup.folder, setup.experiment);
         set_cost_so_far(setup);
 
         Supervision supervision;
@@ -87,7 +90,7 @@ class RunCommand : public Command {
     std::string config_, folder_;
     std::vector<std::string> rawlogs_, overrides_;
     int threads_ = 1;
-    bool quiet_ = false;
+    bool quiet_ = false, resume_ = false;
 };
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "commands/command.h"
-#include "pipeline/file_hash.h"
+#include "pipeline/checkpoints.h"
 #include "pipeline/log_source.h"
 #include "pipeline/module_chain.h"
 #include "pipeline/progress.h"
@@ -72,12 +72,13 @@ void choose_trajectories(const Experiment& experiment, RunRecord& record) {
                                                    ", a module that estimates no path");
 }
 
-void record_input(const RunSetup& setup, const LogSource& source, RunRecord& record) {
+void record_input(const RunSetup& setup, const LogSource& source, const std::vector<LogIdentity>& logs,
+                  RunRecord& record) {
     record.warnings = source.warnings();
     for (std::size_t i = 0; i < source.inputs(); ++i) {
         const auto& reader = source.reader(i);
-        record.inputs.push_back({reader.path(), reader.file_bytes(), sha256_of_file(reader.path()),
-                                 reader.objects(), reader.damage()});
+        record.inputs.push_back(
+            {reader.path(), reader.file_bytes(), logs[i].sha256, reader.objects(), reader.damage()});
     }
     record.facts = source.facts();
     record.scans_read = source.facts().scans();
@@ -124,6 +125,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
                       [&recorder](const StreamItem& item) { recorder.take(*item.observation); });
     Progress progress("estimating", !setup.quiet);
     chain.start({setup.threads, experiment.run.seed});
+    Checkpoints checkpoints(setup, attempt, chain, recorder);
 
     const auto stop_requested = [&] {
         return attempt.rules.state != nullptr && attempt.rules.state->stop_requested;
@@ -137,20 +139,31 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
         if (interrupted || (attempt.stop_before_sequence && item.sequence >= *attempt.stop_before_sequence))
             break;
         if (is_laser_scan(*item.observation)) scan_sequences.push_back(item.sequence);
-        chain.process(item);
         if (points)
             if (const auto* scan =
                     dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(item.observation.get()))
                 points->take(*scan, item.stamp_ns, item.sequence);
         progress.tick(source);
+        if (items < checkpoints.resumed_at()) continue;
+        chain.process(item);
+        checkpoints.after_item(items + 1);
     }
     progress.clear();
+    if (items < checkpoints.resumed_at())
+        throw CommandError(
+            exit_interrupted,
+            "interrupted before the log was read up to the checkpoint; nothing has changed, and "
+            "--resume goes on from there");
     check_log(setup, source, interrupted);
+    if (interrupted) record.can_resume = checkpoints.write(items);
     chain.finish(record.results);
 
     choose_trajectories(experiment, record);
-    record_input(setup, source, record);
+    record_input(setup, source, checkpoints.logs(), record);
+    record.earlier_wall_s = checkpoints.earlier_wall_s();
+    record.earlier_cpu_s = checkpoints.earlier_cpu_s();
     for (auto& sentence : recorder.commit()) record.warnings.push_back(std::move(sentence));
+    for (const auto& sentence : checkpoints.warnings()) record.warnings.push_back(sentence);
     if (!attempt.failure.empty()) record.results.refused = attempt.failure;
     if (points && record.trajectory != nullptr)
         record.feature_points = points->estimates(*record.trajectory, record.odometry);

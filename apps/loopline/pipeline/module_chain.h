@@ -35,6 +35,8 @@ class ModuleChain {
     /// In chain order. total_ms is all of process(), calls the observations of a module's main input,
     /// finish_ms drain() and finish() together.
     const std::vector<ModuleTiming>& timings() const { return timings_; }
+    /// Of the part of the log that another process took through them.
+    void set_timings(const std::vector<ModuleTiming>& timings) { timings_ = timings; }
 
  private:
     class Collector;

@@ -7,18 +7,21 @@
 
 namespace loopline {
 namespace {
-constexpr int fastest_compression = 1;
+
+namespace fs = std::filesystem;
 const char* const unfinished_name = "recorded.rawlog.part";
+const char* const finished_name = "recorded.rawlog";
+
 }  // namespace
 
-Recorder::Recorder(std::filesystem::path folder, const std::vector<std::string>& wanted)
+Recorder::Recorder(fs::path folder, const std::vector<std::string>& wanted)
     : folder_(std::move(folder)), wanted_(wanted.begin(), wanted.end()), unseen_(wanted_) {}
 
 Recorder::~Recorder() {
-    if (!file_) return;
+    if (!file_ || needed_later_) return;
     file_.reset();
     std::error_code ignored;
-    std::filesystem::remove(folder_ / unfinished_name, ignored);
+    fs::remove(folder_ / unfinished_name, ignored);
 }
 
 bool Recorder::is_wanted(const mrpt::obs::CObservation& observation) {
@@ -45,12 +48,10 @@ void Recorder::take(const mrpt::obs::CObservation& observation) {
 
 void Recorder::write(const mrpt::obs::CObservation& observation) {
     if (!file_) {
-        std::filesystem::create_directories(folder_);
-        file_ = std::make_unique<mrpt::io::CFileGZOutputStream>();
-        if (!file_->open((folder_ / unfinished_name).string(), fastest_compression))
-            throw std::runtime_error("can't be opened");
+        fs::create_directories(folder_);
+        file_ = std::make_unique<GzipBlocks>(folder_ / unfinished_name);
     }
-    auto archive = mrpt::serialization::archiveFrom(*file_);
+    mrpt::serialization::CArchiveStreamBase<GzipBlocks> archive(*file_);
     archive.WriteObject(observation);
 }
 
@@ -60,9 +61,46 @@ std::vector<std::string> Recorder::commit() {
         sentences.push_back("[outputs] record names " + name +
                             ", but no module published such an observation");
     if (!file_) return sentences;
-    file_.reset();
-    std::filesystem::rename(folder_ / unfinished_name, folder_ / "recorded.rawlog");
+    try {
+        file_->finish();
+        file_.reset();
+        fs::rename(folder_ / unfinished_name, folder_ / finished_name);
+    } catch (const std::exception&) {
+        throw CommandError(exit_configuration,
+                           (folder_ / finished_name).string() + ": can't be written; is the disk full?");
+    }
     return sentences;
+}
+
+RecorderState Recorder::state() {
+    RecorderState state;
+    state.recorded = recorded_;
+    state.unseen = unseen_;
+    if (!file_) return state;
+    file_->sync();
+    needed_later_ = true;
+    state.file_bytes = file_->file_bytes();
+    state.file_checksum = file_->file_checksum();
+    state.open_block = file_->open_block();
+    return state;
+}
+
+/// The file of a run that was killed stands under its first name, that of one that was interrupted under its
+/// last, with more in it than it had at the checkpoint.
+void Recorder::restore(const RecorderState& state) {
+    recorded_ = state.recorded;
+    unseen_ = state.unseen;
+    if (recorded_ == 0) return;
+    const fs::path unfinished = folder_ / unfinished_name, finished = folder_ / finished_name;
+    const auto fits = [&state](const fs::path& file) {
+        return GzipBlocks::begins_with(file, state.file_bytes, state.file_checksum);
+    };
+    if (state.file_bytes > 0 && !fits(unfinished)) {
+        if (!fits(finished)) throw std::runtime_error(unfinished.string() + " is missing or damaged");
+        fs::copy_file(finished, unfinished, fs::copy_options::overwrite_existing);
+    }
+    file_ = std::make_unique<GzipBlocks>(unfinished, state.file_bytes, state.file_checksum, state.open_block);
+    needed_later_ = true;
 }
 
 }  // namespace loopline

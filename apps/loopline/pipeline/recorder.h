@@ -2,7 +2,7 @@
 /// input.
 #pragma once
 
-#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/obs/CObservation.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -11,9 +11,18 @@
 #include <string>
 #include <vector>
 
-#include "api/module.h"
+#include "output/gzip_blocks.h"
 
 namespace loopline {
+
+/// How far a recording is, for a checkpoint.
+struct RecorderState {
+    std::uint64_t file_bytes = 0;     ///< of the file, that are final
+    std::uint32_t file_checksum = 0;  ///< CRC-32 of these
+    std::string open_block;           ///< what comes after them, not yet compressed
+    std::uint64_t recorded = 0;
+    std::set<std::string> unseen;
+};
 
 class Recorder {
  public:
@@ -28,13 +37,19 @@ class Recorder {
     std::vector<std::string> commit();
     std::uint64_t recorded() const { return recorded_; }
 
+    /// What restore() needs beside the file, complete or not, which from now on is never removed.
+    RecorderState state();
+    /// Goes on where `state` was taken. Throws std::exception if no file of the folder begins as it did then.
+    void restore(const RecorderState& state);
+
  private:
     bool is_wanted(const mrpt::obs::CObservation& observation);
     void write(const mrpt::obs::CObservation& observation);
 
     std::filesystem::path folder_;
     std::set<std::string> wanted_, unseen_;
-    std::unique_ptr<mrpt::io::CFileGZOutputStream> file_;
+    std::unique_ptr<GzipBlocks> file_;
+    bool needed_later_ = false;
     std::uint64_t recorded_ = 0;
 };
 

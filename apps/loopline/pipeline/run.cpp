@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "pipeline/checkpoint.h"
 #include "pipeline/estimate_pass.h"
 #include "pipeline/map_pass.h"
 #include "pipeline/run_outputs.h"
@@ -24,7 +25,8 @@ void tell_problems(const RunRecord& record) {
         if (!input.damage.empty()) std::cerr << "loopline: " << input.damage << '\n';
     if (record.results.refused) std::cerr << "loopline: " << *record.results.refused << '\n';
     if (record.status == "interrupted")
-        std::cerr << "loopline: interrupted; what was read until then is processed and saved\n";
+        std::cerr << "loopline: interrupted; what was read until then is processed and saved"
+                  << (record.can_resume ? ", and --resume goes on from there" : "") << "\n";
 }
 
 void tell_result(const RunRecord& record, const std::filesystem::path& folder) {
@@ -44,9 +46,11 @@ void tell_result(const RunRecord& record, const std::filesystem::path& folder) {
 void set_cost(RunRecord& record, const RunSetup& setup) {
     rusage used{};
     getrusage(RUSAGE_SELF, &used);
-    record.cpu_s = setup.cpu_before_s + seconds(used.ru_utime) + seconds(used.ru_stime);
+    record.cpu_s =
+        record.earlier_cpu_s + setup.cpu_before_s + seconds(used.ru_utime) + seconds(used.ru_stime);
     record.peak_memory_mb = std::max(setup.peak_before_mb, static_cast<double>(used.ru_maxrss) / 1024);
-    record.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - setup.start).count();
+    const std::chrono::duration<double> here = std::chrono::steady_clock::now() - setup.start;
+    record.wall_s = record.earlier_wall_s + here.count();
 }
 
 int run_experiment(const RunSetup& setup, const Attempt& attempt) {
@@ -56,6 +60,7 @@ int run_experiment(const RunSetup& setup, const Attempt& attempt) {
     write_results(setup, record, attempt.rules.state);
     tell_problems(record);
     draw_results(setup, record, attempt.rules.state);
+    if (record.status != "interrupted") remove_checkpoint(setup.folder);
     if (!setup.quiet) tell_result(record, setup.folder);
     std::fflush(stdout);
     return record.exit_code;

@@ -12,6 +12,8 @@
 
 namespace loopline {
 
+class Checkpoint;
+
 struct RunSetup {
     Experiment experiment;
     std::filesystem::path folder;  ///< the run directory; made when there is something to write
@@ -21,6 +23,8 @@ struct RunSetup {
     std::chrono::steady_clock::time_point start;
     /// Of loading the program and the experiment, before the worker began.
     double cpu_before_s = 0, peak_before_mb = 0;
+    /// Where to go on; null: from the beginning.
+    std::shared_ptr<const Checkpoint> checkpoint;
 };
 
 /// Runs the experiment in this process and writes its results; returns the exit code. Throws CommandError if

@@ -32,6 +32,7 @@ struct ModuleTiming {
 struct RunRecord {
     std::string status = "done";  ///< done, interrupted, damaged_input, refused
     int exit_code = 0;
+    bool can_resume = false;  ///< interrupted, with a checkpoint
     std::vector<std::string>
         warnings;  ///< sentences: stamps going backwards, two sensors with one label, ...
     std::vector<InputRecord> inputs;
@@ -42,6 +43,7 @@ struct RunRecord {
     StampNs first_stamp_ns = 0;
     StampNs last_stamp_ns = 0;
     double wall_s = 0, cpu_s = 0, peak_memory_mb = 0;
+    double earlier_wall_s = 0, earlier_cpu_s = 0;  ///< until the checkpoint that this run went on from
 
     const Trajectory* trajectory = nullptr;  ///< the result; null if no module estimates one
     const Trajectory* odometry = nullptr;    ///< dead reckoning; null if there is none

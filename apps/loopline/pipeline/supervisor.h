@@ -4,6 +4,7 @@
 /// has to be handed over.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -26,6 +27,11 @@ struct Attempt {
     bool without_maps = false;
     /// One sentence on that failure.
     std::string failure;
+    /// No earlier worker found damage or failed.
+    bool first() const {
+        return failure.empty() && std::none_of(rules.limits.begin(), rules.limits.end(),
+                                               [](const auto& limit) { return limit.has_value(); });
+    }
 };
 
 struct Supervision {

@@ -1,0 +1,190 @@
+#include "pipeline/checkpoint.h"
+
+#include <link.h>
+
+#include <algorithm>
+#include <cstring>
+#include <sstream>
+
+#include "api/state_archive.h"
+#include "commands/command.h"
+#include "pipeline/file_hash.h"
+
+namespace loopline {
+
+template <class Archive>
+void fields(Archive& archive, LogIdentity& log) {
+    archive(log.bytes, log.sha256);
+}
+
+template <class Archive>
+void fields(Archive& archive, CheckpointHead& head) {
+    archive(head.program, head.effective_ini, head.logs, head.items, head.wall_s, head.cpu_s);
+}
+
+template <class Archive>
+void fields(Archive& archive, RecorderState& state) {
+    archive(state.file_bytes, state.file_checksum, state.open_block, state.recorded, state.unseen);
+}
+
+template <class Archive>
+void fields(Archive& archive, ModuleTiming& timing) {
+    archive(timing.calls, timing.total_ms, timing.worst_ms, timing.finish_ms);
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+const char* const start_over = "run without --resume to start from the beginning";
+
+/// The "GNU build-id" of a loaded library, as it stands in its notes.
+int add_build_id(dl_phdr_info* library, std::size_t, void* text) {
+    const std::string path = library->dlpi_name;
+    const bool ours = path.empty() || path.find("libloopline") != std::string::npos;  // empty: the program
+    if (!ours && path.find("libmrpt") == std::string::npos) return 0;
+    for (int i = 0; i < library->dlpi_phnum; ++i) {
+        const auto& part = library->dlpi_phdr[i];
+        if (part.p_type != PT_NOTE) continue;
+        const char* note = reinterpret_cast<const char*>(library->dlpi_addr + part.p_vaddr);
+        const char* const end = note + part.p_memsz;
+        while (note + sizeof(ElfW(Nhdr)) <= end) {
+            ElfW(Nhdr) header;
+            std::memcpy(&header, note, sizeof(header));
+            const auto padded = [](std::size_t size) { return (size + 3) / 4 * 4; };
+            const char* const name = note + sizeof(header);
+            const char* const content = name + padded(header.n_namesz);
+            if (content + header.n_descsz > end) break;
+            if (header.n_type == NT_GNU_BUILD_ID && header.n_namesz == 4 && std::memcmp(name, "GNU", 4) == 0)
+                static_cast<std::string*>(text)->append(content, header.n_descsz);
+            note = content + padded(header.n_descsz);
+        }
+    }
+    return 0;
+}
+
+/// "[line_slam] interval_scans = 7, and now 20": the first line in which two configurations differ.
+std::string first_difference(const std::string& before, const std::string& now) {
+    std::istringstream a(before), b(now);
+    std::string section, line_a, line_b;
+    while (std::getline(a, line_a)) {
+        if (!std::getline(b, line_b)) break;
+        if (line_a != line_b) {
+            const auto equals = line_b.find('=');
+            const bool same_key =
+                equals != std::string::npos && line_a.compare(0, equals + 1, line_b, 0, equals + 1) == 0;
+            return section + " " + line_a + ", and now " +
+                   (same_key ? line_b.substr(std::min(equals + 2, line_b.size())) : line_b);
+        }
+        if (!line_a.empty() && line_a[0] == '[') section = line_a;
+    }
+    return "a key that the other has not";
+}
+
+}  // namespace
+
+fs::path checkpoint_in(const fs::path& folder) {
+    return folder / "checkpoint.bin";
+}
+
+std::vector<LogIdentity> identities_of(const std::vector<std::string>& rawlogs) {
+    std::vector<LogIdentity> logs;
+    for (const auto& path : rawlogs) {
+        std::error_code gone;  // then its hash is empty too
+        logs.push_back({fs::file_size(path, gone), sha256_of_file(path)});
+    }
+    return logs;
+}
+
+std::string build_of_this_program() {
+    std::string text = LOOPLINE_VERSION " " LOOPLINE_API_VERSION " ";
+    dl_iterate_phdr(add_build_id, &text);
+    return text;
+}
+
+std::vector<std::string> modules_without_state(const Experiment& experiment) {
+    std::vector<std::string> names;
+    for (const auto& module : experiment.modules)
+        if (!module->can_resume()) names.push_back(module->info().name);
+    return names;
+}
+
+void write_checkpoint(const fs::path& file, const CheckpointHead& head, const ModuleChain& chain,
+                      Recorder& recorder) {
+    RecorderState recorded = recorder.state();
+    fs::create_directories(file.parent_path());
+    CheckpointSink sink(file);
+    mrpt::serialization::CArchiveStreamBase<CheckpointSink> archive(sink);
+    StateWriter writer(archive);
+    CheckpointHead written = head;
+    std::vector<ModuleTiming> timings = chain.timings();
+    writer(written, recorded, timings);
+    for (const auto& module : chain.modules()) {
+        module->save_state(archive);
+        writer.form("end of " + module->info().name, 0);
+    }
+    sink.commit();
+}
+
+void remove_checkpoint(const fs::path& folder) {
+    std::error_code ignored;  // most runs make none
+    fs::remove(checkpoint_in(folder), ignored);
+}
+
+Checkpoint::Checkpoint(const fs::path& folder, const Experiment& experiment) : file_(checkpoint_in(folder)) {
+    std::error_code ignored;
+    if (!fs::exists(file_, ignored)) {
+        const auto names = modules_without_state(experiment);
+        refuse("there is no checkpoint to resume from" +
+               (names.empty() ? "" : " (module " + names.front() + " can't make any)"));
+    }
+    try {
+        bytes_.emplace(file_);
+        mrpt::serialization::CArchiveStreamBase<CheckpointBytes> archive(*bytes_);
+        StateReader reader(archive);
+        reader(head_);
+    } catch (const std::exception& e) {
+        refuse(std::string("this checkpoint can't be used: ") + e.what());
+    }
+    check(experiment);
+}
+
+void Checkpoint::check(const Experiment& experiment) const {
+    if (head_.program != build_of_this_program())
+        refuse("this checkpoint was made by another build of the program");
+    if (head_.effective_ini != experiment.effective_ini)
+        refuse("this checkpoint was made with another configuration (" +
+               first_difference(head_.effective_ini, experiment.effective_ini) + ")");
+    const auto& rawlogs = experiment.run.rawlogs;
+    const auto logs = identities_of(rawlogs);
+    for (std::size_t i = 0; i < logs.size(); ++i)
+        if (i >= head_.logs.size() || logs[i].bytes != head_.logs[i].bytes ||
+            logs[i].sha256 != head_.logs[i].sha256)
+            refuse("this checkpoint was made with another log than what " + rawlogs[i] + " holds now");
+}
+
+void Checkpoint::restore(ModuleChain& chain, Recorder& recorder) const {
+    CheckpointBytes bytes = *bytes_;
+    mrpt::serialization::CArchiveStreamBase<CheckpointBytes> archive(bytes);
+    StateReader reader(archive);
+    try {
+        RecorderState recorded;
+        std::vector<ModuleTiming> timings;
+        reader(recorded, timings);
+        for (const auto& module : chain.modules()) {
+            module->load_state(archive);
+            reader.form("end of " + module->info().name, 0);
+        }
+        chain.set_timings(timings);
+        recorder.restore(recorded);
+    } catch (const CommandError&) {
+        throw;
+    } catch (const std::exception& e) {
+        refuse(std::string("this checkpoint can't be used: ") + e.what());
+    }
+}
+
+void Checkpoint::refuse(const std::string& clause) const {
+    throw CommandError(exit_configuration, file_.string() + ": " + clause + "; " + start_over);
+}
+
+}  // namespace loopline

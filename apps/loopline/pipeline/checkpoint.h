@@ -1,0 +1,74 @@
+/// A checkpoint: all that a run needs to go on where it stood. Not in it is what the log gives again: a
+/// resumed run reads the log from its beginning, which is cheap beside estimating, and hands it to the
+/// modules from the checkpoint's item on.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/experiment.h"
+#include "pipeline/checkpoint_file.h"
+#include "pipeline/module_chain.h"
+#include "pipeline/recorder.h"
+
+namespace loopline {
+
+/// A log, for knowing it again.
+struct LogIdentity {
+    std::uint64_t bytes = 0;
+    std::string sha256;
+};
+
+struct CheckpointHead {
+    std::string program;        ///< build_of_this_program() of who made it
+    std::string effective_ini;  ///< the configuration
+    std::vector<LogIdentity> logs;
+    std::uint64_t items = 0;       ///< of the log, that the chain has seen
+    double wall_s = 0, cpu_s = 0;  ///< that the run has taken so far
+};
+
+/// Where the checkpoint of a run directory lies.
+std::filesystem::path checkpoint_in(const std::filesystem::path& folder);
+
+/// Of each log, in this order.
+std::vector<LogIdentity> identities_of(const std::vector<std::string>& rawlogs);
+
+/// Tells one build of the program, its plugins and MRPT from another: only the very same one is sure to give
+/// the same bytes.
+std::string build_of_this_program();
+
+/// Whether every module of the experiment can go on from a checkpoint; else the names of those that can't.
+std::vector<std::string> modules_without_state(const Experiment& experiment);
+
+/// Writes `file`, replacing it only when the new one is whole. Throws std::exception, with the reason, if
+/// that fails.
+void write_checkpoint(const std::filesystem::path& file, const CheckpointHead& head, const ModuleChain& chain,
+                      Recorder& recorder);
+
+/// When the run is complete.
+void remove_checkpoint(const std::filesystem::path& folder);
+
+/// A checkpoint that belongs to an experiment.
+class Checkpoint {
+ public:
+    /// Reads the one in `folder`. Throws CommandError(exit_configuration), with one sentence, if there is
+    /// none, it is damaged, or it is of another program, configuration or log.
+    Checkpoint(const std::filesystem::path& folder, const Experiment& experiment);
+
+    const CheckpointHead& head() const { return head_; }
+    /// Brings a chain that was started, and a recorder, to where they stood. As above, if it does not fit.
+    void restore(ModuleChain& chain, Recorder& recorder) const;
+
+ private:
+    void check(const Experiment& experiment) const;
+    [[noreturn]] void refuse(const std::string& clause) const;
+
+    std::filesystem::path file_;
+    CheckpointHead head_;
+    std::optional<CheckpointBytes> bytes_;  ///< after the head
+};
+
+}  // namespace loopline

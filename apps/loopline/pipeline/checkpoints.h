@@ -1,0 +1,56 @@
+/// When a run writes checkpoints. The clock may decide, since no result depends on it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/checkpoint.h"
+#include "pipeline/run.h"
+
+namespace loopline {
+
+class Checkpoints {
+ public:
+    /// Takes up the run at `setup.checkpoint` if there is one and this is the first attempt: one that follows
+    /// a crash may read less of the log, and starts over.
+    Checkpoints(const RunSetup& setup, const Attempt& attempt, ModuleChain& chain, Recorder& recorder);
+
+    /// Items of the log that the modules know already.
+    std::uint64_t resumed_at() const { return resumed_at_; }
+    /// Time and CPU time that the run had taken until then.
+    double earlier_wall_s() const { return resumed_at_ > 0 ? setup_.checkpoint->head().wall_s : 0; }
+    double earlier_cpu_s() const { return resumed_at_ > 0 ? setup_.checkpoint->head().cpu_s : 0; }
+
+    /// After each item that the chain has seen; `items` with it.
+    void after_item(std::uint64_t items) {
+        if (every_items_ > 0 && items % every_items_ == 0)
+            write(items);
+        else if (next_ != never && Clock::now() >= next_)
+            write(items);
+    }
+    /// Now, if the modules can do it; true if there is one of this moment then. If the disk refuses, a
+    /// warning says so, and there are no more.
+    bool write(std::uint64_t items);
+
+    /// Of the logs, as they were when the first of these was needed; read once.
+    const std::vector<LogIdentity>& logs();
+
+    const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+    using Clock = std::chrono::steady_clock;
+    static constexpr Clock::time_point never = Clock::time_point::max();
+    void schedule(Clock::duration least);
+
+    const RunSetup& setup_;
+    ModuleChain& chain_;
+    Recorder& recorder_;
+    bool possible_;
+    std::uint64_t every_items_ = 0, resumed_at_ = 0;
+    Clock::time_point next_ = never;
+    std::vector<LogIdentity> logs_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace loopline
