@@ -17,7 +17,7 @@ struct RunSettings {
     std::vector<std::string> maps;     ///< map builders, drawn from the final trajectory
     std::string trajectory;  ///< the module whose path is the result; empty: the last one that estimates any
     std::uint64_t seed = 0;
-    double checkpoint_s = 60;  ///< between two checkpoints; 0: none but on interruption
+    double checkpoint_s = 2;   ///< of CPU time between two checkpoints; 0: none but on interruption
     int checkpoint_items = 0;  ///< a checkpoint after so many items; 0: by time
 };
 

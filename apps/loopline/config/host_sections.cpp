@@ -13,9 +13,9 @@ ParameterTable run_table(RunSettings& settings) {
               "The module whose path is the result; empty: the last of the chain that estimates one.")
         .seed("seed", settings.seed, "For whatever draws random numbers: the same seed gives the same bytes.")
         .real("checkpoint_s", settings.checkpoint_s, {0, 1e6},
-              "Seconds of running from one checkpoint to the next, more if writing them took over a "
+              "Seconds of CPU time from one checkpoint to the next, more if writing them took over a "
               "hundredth of "
-              "the time; 0: only when the run is interrupted.")
+              "it; 0: only when the run is interrupted.")
         .integer("checkpoint_items", settings.checkpoint_items, Range::at_least(0),
                  "A checkpoint after every so many observations of the log, whatever it takes; 0: as "
                  "checkpoint_s says.");

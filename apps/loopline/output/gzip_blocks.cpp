@@ -13,7 +13,7 @@
 namespace loopline {
 namespace {
 
-constexpr std::size_t block_bytes = std::size_t{1} << 20;
+constexpr std::size_t block_bytes = std::size_t{1} << 18;
 constexpr int fastest_compression = 1;
 constexpr int gzip_member = 15 + 16;  // window of 32 KB, header and trailer of gzip
 

@@ -111,7 +111,6 @@ std::vector<std::string> modules_without_state(const Experiment& experiment) {
 void write_checkpoint(const fs::path& file, const CheckpointHead& head, const ModuleChain& chain,
                       Recorder& recorder) {
     RecorderState recorded = recorder.state();
-    fs::create_directories(file.parent_path());
     CheckpointSink sink(file);
     mrpt::serialization::CArchiveStreamBase<CheckpointSink> archive(sink);
     StateWriter writer(archive);
@@ -122,7 +121,16 @@ void write_checkpoint(const fs::path& file, const CheckpointHead& head, const Mo
         module->save_state(archive);
         writer.form("end of " + module->info().name, 0);
     }
-    sink.commit();
+    sink.commit(CheckpointSink::Safety::disk);
+}
+
+void write_beginning(const fs::path& file, const CheckpointHead& head) {
+    CheckpointSink sink(file);
+    mrpt::serialization::CArchiveStreamBase<CheckpointSink> archive(sink);
+    StateWriter writer(archive);
+    CheckpointHead written = head;
+    writer(written);
+    sink.commit(CheckpointSink::Safety::file);
 }
 
 void remove_checkpoint(const fs::path& folder) {
@@ -163,6 +171,7 @@ void Checkpoint::check(const Experiment& experiment) const {
 }
 
 void Checkpoint::restore(ModuleChain& chain, Recorder& recorder) const {
+    if (head_.items == 0) return;
     CheckpointBytes bytes = *bytes_;
     mrpt::serialization::CArchiveStreamBase<CheckpointBytes> archive(bytes);
     StateReader reader(archive);

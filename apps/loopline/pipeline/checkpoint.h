@@ -43,10 +43,13 @@ std::string build_of_this_program();
 /// Whether every module of the experiment can go on from a checkpoint; else the names of those that can't.
 std::vector<std::string> modules_without_state(const Experiment& experiment);
 
-/// Writes `file`, replacing it only when the new one is whole. Throws std::exception, with the reason, if
+/// Writes `file` into a folder that exists, replacing it only when the new one is whole. Throws std::exception, with the reason, if
 /// that fails.
 void write_checkpoint(const std::filesystem::path& file, const CheckpointHead& head, const ModuleChain& chain,
                       Recorder& recorder);
+
+/// One of a run that has seen nothing yet: `head.items` is 0. It is not worth waiting for the disk.
+void write_beginning(const std::filesystem::path& file, const CheckpointHead& head);
 
 /// When the run is complete.
 void remove_checkpoint(const std::filesystem::path& folder);

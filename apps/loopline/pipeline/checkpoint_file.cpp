@@ -58,12 +58,11 @@ void CheckpointSink::flush() {
     buffer_.clear();
 }
 
-void CheckpointSink::commit() {
+void CheckpointSink::commit(Safety safety) {
     checksum_ = checksum_of(checksum_, buffer_.data(), buffer_.size());
     buffer_.append(reinterpret_cast<const char*>(&checksum_), checksum_bytes);
     flush();
-    // On the disk before it replaces the one before: the power may fail too.
-    if (::fsync(descriptor_) != 0) fail();
+    if (safety == Safety::disk && ::fsync(descriptor_) != 0) fail();
     ::close(descriptor_);
     descriptor_ = -1;
     if (::rename(partial_.c_str(), file_.c_str()) != 0) fail();

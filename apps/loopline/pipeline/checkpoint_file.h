@@ -10,7 +10,7 @@
 
 namespace loopline {
 
-/// Written under another name; commit() brings it to the disk and gives it its own. Functions throw
+/// Written under another name; commit() gives it its own. Functions throw
 /// std::runtime_error, with the system's reason, if folder or disk refuse.
 class CheckpointSink {
  public:
@@ -19,7 +19,9 @@ class CheckpointSink {
     CheckpointSink(const CheckpointSink&) = delete;
     CheckpointSink& operator=(const CheckpointSink&) = delete;
 
-    void commit();
+    /// What the file outlives: the end of this process, or the end of the power too.
+    enum class Safety { file, disk };
+    void commit(Safety safety);
 
     // For MRPT's archive.
     std::size_t Write(const void* data, std::size_t size);

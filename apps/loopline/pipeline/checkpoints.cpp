@@ -1,11 +1,18 @@
 #include "pipeline/checkpoints.h"
 
 #include <algorithm>
+#include <ctime>
 
 namespace loopline {
 namespace {
-/// Writing may take a hundredth of the time.
-constexpr int pause_per_writing = 99;
+constexpr double pause_per_writing = 99;  // so that writing takes at most a hundredth
+constexpr std::chrono::milliseconds beginning{100};
+
+double cpu_time_s() {
+    timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
 }  // namespace
 
 Checkpoints::Checkpoints(const RunSetup& setup, const Attempt& attempt, ModuleChain& chain,
@@ -20,36 +27,70 @@ Checkpoints::Checkpoints(const RunSetup& setup, const Attempt& attempt, ModuleCh
         resumed_at_ = setup.checkpoint->head().items;
         logs_ = setup.checkpoint->head().logs;
     }
-    schedule({});
+    schedule(0);
+    if (next_look_ != never && resumed_at_ == 0) next_look_ = Clock::now() + beginning;
+    began_ = resumed_at_ > 0;
 }
 
-void Checkpoints::schedule(Clock::duration least) {
-    const std::chrono::duration<double> wanted(setup_.experiment.run.checkpoint_s);
-    next_ = never;
-    if (possible_ && wanted.count() > 0)
-        next_ = Clock::now() + std::max(least, std::chrono::duration_cast<Clock::duration>(wanted));
+/// The next one, `least_s` of CPU time from now or later.
+void Checkpoints::schedule(double least_s) {
+    const double pause_s = setup_.experiment.run.checkpoint_s;
+    next_look_ = possible_ && pause_s > 0 ? Clock::now() : never;
+    due_s_ = cpu_time_s() + std::max(least_s, pause_s);
+}
+
+void Checkpoints::look_at_the_clock(std::uint64_t items) {
+    if (!began_) {
+        began_ = true;
+        try {
+            made_folder_ = std::filesystem::create_directories(setup_.folder);
+            write_beginning(checkpoint_in(setup_.folder), head(0));
+        } catch (const std::exception& e) {
+            give_up(e);
+        }
+        return;
+    }
+    const double missing_s = due_s_ - cpu_time_s();
+    if (missing_s <= 0)
+        write(items);
+    else
+        next_look_ =
+            Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(missing_s));
+}
+
+CheckpointHead Checkpoints::head(std::uint64_t items) {
+    RunRecord cost;
+    set_cost(cost, setup_);
+    return {build_of_this_program(), setup_.experiment.effective_ini, logs(), items,
+            cost.wall_s + earlier_wall_s(), cost.cpu_s + earlier_cpu_s()};
+}
+
+void Checkpoints::give_up(const std::exception& reason) {
+    possible_ = false;
+    every_items_ = 0;
+    next_look_ = never;
+    warnings_.push_back(std::string("no checkpoint is kept: ") + reason.what());
+}
+
+void Checkpoints::discard() {
+    std::error_code ignored;
+    remove_checkpoint(setup_.folder);
+    if (made_folder_) std::filesystem::remove(setup_.folder, ignored);  // if it is empty
 }
 
 bool Checkpoints::write(std::uint64_t items) {
     if (!possible_) return false;
     if (items == resumed_at_) return true;
-    const auto file = checkpoint_in(setup_.folder);
     try {
-        const auto& identities = logs();  // needed at the end anyway: no part of what writing takes
+        began_ = true;
+        const CheckpointHead now = head(items);  // with the logs' hashes, which are needed at the end anyway
         const auto start = Clock::now();
-        RunRecord cost;
-        set_cost(cost, setup_);
-        const CheckpointHead head{
-            build_of_this_program(),        setup_.experiment.effective_ini, identities, items,
-            cost.wall_s + earlier_wall_s(), cost.cpu_s + earlier_cpu_s()};
-        write_checkpoint(file, head, chain_, recorder_);
-        schedule(pause_per_writing * (Clock::now() - start));
+        made_folder_ = std::filesystem::create_directories(setup_.folder) || made_folder_;
+        write_checkpoint(checkpoint_in(setup_.folder), now, chain_, recorder_);
+        schedule(pause_per_writing * std::chrono::duration<double>(Clock::now() - start).count());
         return true;
     } catch (const std::exception& e) {
-        possible_ = false;
-        every_items_ = 0;
-        next_ = never;
-        warnings_.push_back(std::string("no checkpoint is kept: ") + e.what());
+        give_up(e);
     }
     return false;
 }

@@ -1,4 +1,6 @@
-/// When a run writes checkpoints. The clock may decide, since no result depends on it.
+/// When a run writes checkpoints. The clock may decide, since no result depends on it: it is the CPU time that a
+/// checkpoint saves, and of which it may take a hundredth. Soon after the beginning a first one says no more
+/// than that there is nothing to load yet.
 #pragma once
 
 #include <chrono>
@@ -26,12 +28,15 @@ class Checkpoints {
     void after_item(std::uint64_t items) {
         if (every_items_ > 0 && items % every_items_ == 0)
             write(items);
-        else if (next_ != never && Clock::now() >= next_)
-            write(items);
+        else if (next_look_ != never && Clock::now() >= next_look_)
+            look_at_the_clock(items);
     }
     /// Now, if the modules can do it; true if there is one of this moment then. If the disk refuses, a
     /// warning says so, and there are no more.
     bool write(std::uint64_t items);
+
+    /// The run turned out to have nothing to save: takes back what was written.
+    void discard();
 
     /// Of the logs, as they were when the first of these was needed; read once.
     const std::vector<LogIdentity>& logs();
@@ -41,14 +46,19 @@ class Checkpoints {
  private:
     using Clock = std::chrono::steady_clock;
     static constexpr Clock::time_point never = Clock::time_point::max();
-    void schedule(Clock::duration least);
+    void look_at_the_clock(std::uint64_t items);
+    void schedule(double least_s);
+    void give_up(const std::exception& reason);
+    CheckpointHead head(std::uint64_t items);
 
     const RunSetup& setup_;
     ModuleChain& chain_;
     Recorder& recorder_;
     bool possible_;
     std::uint64_t every_items_ = 0, resumed_at_ = 0;
-    Clock::time_point next_ = never;
+    Clock::time_point next_look_ = never;
+    double due_s_ = 0;  ///< CPU time of this process
+    bool began_ = false, made_folder_ = false;
     std::vector<LogIdentity> logs_;
     std::vector<std::string> warnings_;
 };

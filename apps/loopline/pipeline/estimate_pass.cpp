@@ -154,7 +154,12 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
             exit_interrupted,
             "interrupted before the log was read up to the checkpoint; nothing has changed, and "
             "--resume goes on from there");
-    check_log(setup, source, interrupted);
+    try {
+        check_log(setup, source, interrupted);
+    } catch (const CommandError&) {
+        checkpoints.discard();
+        throw;
+    }
     if (interrupted) record.can_resume = checkpoints.write(items);
     chain.finish(record.results);
 
