@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "api/pose2.h"
-#include "api/trajectory.h"
 
 namespace loopline {
 
@@ -129,20 +128,6 @@ class StateArchive {
         if (reading) items = std::map<Key, T>(list.begin(), list.end());
     }
     void value(Pose2& T) { (*this)(T.x_m, T.y_m, T.phi_rad); }
-    void value(Pose3& T) { (*this)(T.translation_m, T.rotation.coeffs()); }
-    void value(Trajectory& trajectory) {
-        std::uint64_t revisions = trajectory.revision(), entries = trajectory.size();
-        (*this)(revisions, entries);
-        for (std::size_t i = 0; i < entries; ++i) {
-            TrajectoryEntry entry = reading ? TrajectoryEntry{} : trajectory.entries()[i];
-            (*this)(entry.sequence, entry.stamp_ns, entry.T_map_base, entry.covariance,
-                    entry.T_map_base_online);
-            if (!reading) continue;
-            trajectory.append(entry.sequence, entry.stamp_ns, entry.T_map_base_online, entry.covariance);
-            trajectory.revise(i, entry.T_map_base, entry.covariance);
-        }
-        while (trajectory.revision() < revisions) trajectory.finish_revision();
-    }
 
     mrpt::serialization::CArchive& archive_;
 };
