@@ -214,6 +214,32 @@ TEST(LogSource, impossible_increments_leave_the_odometry_where_it_was) {
     EXPECT_TRUE(mentions(source.warnings(), "odometry increments"));
 }
 
+TEST(LogSource, the_ini_knows_better_where_a_sensor_sits) {
+    Folder folder;
+    auto front = CObservation2DRangeScan::Create(), rear = CObservation2DRangeScan::Create();
+    for (const auto& [scan, label] : {std::pair(front, "front"), std::pair(rear, "rear")}) {
+        scan->sensorLabel = label;
+        scan->timestamp = stamp_to_mrpt(start_ns);
+        scan->sensorPose = {0.5, 0, 0, 0, 0, 0};
+        scan->aperture = 3;
+        scan->resizeScanAndAssign(10, 1, true);
+    }
+    write_log(folder / "log", {front, rear});
+    MountSettings mount;
+    mount.sensors = {"rear"};
+    mount.x_m = -0.2;
+    mount.yaw_rad = M_PI / 2;
+    LogSource source({folder / "log"}, {}, Mounting(mount));
+    const auto items = stream(source);
+    ASSERT_EQ(items.size(), 2u);
+    const auto pose = [&](std::size_t i) {
+        return dynamic_cast<const CObservation2DRangeScan&>(*items[i].observation).sensorPose;
+    };
+    EXPECT_DOUBLE_EQ(pose(0).x(), 0.5);
+    EXPECT_DOUBLE_EQ(pose(1).x(), -0.2);
+    EXPECT_DOUBLE_EQ(pose(1).yaw(), M_PI / 2);
+}
+
 TEST(LogSource, two_sensors_with_one_label_are_noticed) {
     Folder folder;
     auto rear = scan(start_ns + 3);

@@ -184,7 +184,7 @@ TEST_F(Supervisor, the_first_interruption_asks_to_stop_and_the_second_ends_at_on
     EXPECT_NE(twice.said.find("ended at once"), std::string::npos) << twice.said;
 }
 
-TEST_F(Supervisor, memory_is_limited_inside_reading_only) {
+TEST_F(Supervisor, memory_is_limited_while_a_log_is_read_and_not_after) {
 #if defined(__SANITIZE_ADDRESS__)
     GTEST_SKIP() << "the limit can't be used with AddressSanitizer";
 #endif
@@ -193,8 +193,19 @@ TEST_F(Supervisor, memory_is_limited_inside_reading_only) {
     ReadGuard guard(nullptr, 0, 1000);
     guard.enter(0);
     getrlimit(RLIMIT_AS, &inside);
-    guard.leave();
-    getrlimit(RLIMIT_AS, &after);
     EXPECT_LT(inside.rlim_cur, before.rlim_cur);
+    guard.leave();
+    guard.enter(1);
+    getrlimit(RLIMIT_AS, &inside);
+    EXPECT_LT(inside.rlim_cur, before.rlim_cur);
+    guard.leave();
+    guard.lift();
+    getrlimit(RLIMIT_AS, &after);
+    EXPECT_EQ(after.rlim_cur, before.rlim_cur);
+    {
+        ReadGuard forgotten(nullptr, 0, 1000);
+        forgotten.enter(0);
+    }
+    getrlimit(RLIMIT_AS, &after);
     EXPECT_EQ(after.rlim_cur, before.rlim_cur);
 }

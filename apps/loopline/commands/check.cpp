@@ -12,7 +12,7 @@ namespace {
 
 /// Reads the logs once; in a worker process, since damaged bytes can crash MRPT's readers.
 int check_logs(const Experiment& experiment, const Attempt& attempt) {
-    LogSource source(experiment.run.rawlogs, attempt.rules);
+    LogSource source(experiment.run.rawlogs, attempt.rules, Mounting(experiment.mount));
     LogSurvey survey;
     for (StreamItem item; source.next(item);) {
         if (attempt.rules.state && attempt.rules.state->stop_requested) return exit_interrupted;

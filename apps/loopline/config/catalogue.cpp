@@ -10,8 +10,8 @@ namespace loopline {
 
 Catalogue::Catalogue() : defaults_(std::make_unique<Experiment>()) {
     load_plugins();
-    for (auto& table : {run_table(defaults_->run), outputs_table(defaults_->outputs),
-                        evaluation_table(defaults_->evaluation)})
+    for (auto& table : {run_table(defaults_->run), mount_table(defaults_->mount),
+                        outputs_table(defaults_->outputs), evaluation_table(defaults_->evaluation)})
         entries_.push_back({SectionKind::host, {table.section(), table.sentence(), {}, {}, {}}, table});
     for (const auto& name : known_modules()) add(SectionKind::module, make_module(name));
     for (const auto& name : known_map_builders()) add(SectionKind::map_builder, make_map_builder(name));
@@ -21,8 +21,7 @@ Catalogue::Catalogue() : defaults_(std::make_unique<Experiment>()) {
 void Catalogue::add_scenario(const Simulator::Ptr& simulator) {
     owners_.push_back(simulator);
     for (auto& table : simulator->sections())
-        entries_.push_back(
-            {SectionKind::scenario, {table.section(), table.sentence(), {}, {}, {}}, table});
+        entries_.push_back({SectionKind::scenario, {table.section(), table.sentence(), {}, {}, {}}, table});
 }
 
 void Catalogue::add(SectionKind kind, const Configurable::Ptr& owner) {

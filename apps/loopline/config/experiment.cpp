@@ -19,9 +19,9 @@ class Loader {
     Loader(const std::string& path, const std::vector<std::string>& overrides) : file_(read_ini_file(path)) {
         if (file_.sections.empty() && !file_.problems.empty()) throw ConfigurationError(file_.problems);
         if (const auto* section = file_.find("simulation"))
-            throw ConfigurationError(
-                {{section->origin, "an experiment has no section [simulation]; this is a scenario, for "
-                                   "`loopline simulate`"}});
+            throw ConfigurationError({{section->origin,
+                                       "an experiment has no section [simulation]; this is a scenario, for "
+                                       "`loopline simulate`"}});
         for (const auto& assignment : overrides) apply_override(file_, assignment);
         problems_ = file_.problems;
         experiment_.config_path = path;
@@ -75,8 +75,8 @@ class Loader {
     }
 
     void declare_host_sections() {
-        for (auto& table : {run_table(experiment_.run), outputs_table(experiment_.outputs),
-                            evaluation_table(experiment_.evaluation)}) {
+        for (auto& table : {run_table(experiment_.run), mount_table(experiment_.mount),
+                            outputs_table(experiment_.outputs), evaluation_table(experiment_.evaluation)}) {
             order_.push_back(table.section());
             sections_.emplace(table.section(), DeclaredSection{nullptr, table, true});
         }

@@ -21,6 +21,13 @@ struct RunSettings {
     int checkpoint_items = 0;  ///< a checkpoint after so many items; 0: by time
 };
 
+/// [mount]: where sensors sit on the vehicle, if the log is wrong about it.
+struct MountSettings {
+    std::vector<std::string> sensors;  ///< labels; empty: the log is right about all
+    double x_m = 0, y_m = 0, z_m = 0;
+    double yaw_rad = 0, pitch_rad = 0, roll_rad = 0;
+};
+
 /// [outputs]
 struct OutputSettings {
     bool trajectory = true;
@@ -45,6 +52,7 @@ struct EvaluationSettings {
 struct Experiment {
     std::string config_path;
     RunSettings run;
+    MountSettings mount;
     OutputSettings outputs;
     EvaluationSettings evaluation;
     std::vector<Module::Ptr> modules;           ///< configured, in chain order

@@ -22,6 +22,18 @@ ParameterTable run_table(RunSettings& settings) {
     return table;
 }
 
+ParameterTable mount_table(MountSettings& settings) {
+    ParameterTable table("mount", "Where sensors sit on the vehicle, in place of what the log says.");
+    table.list("sensors", settings.sensors, "Labels of the sensors that this is about; empty: none.")
+        .real("x_m", settings.x_m, Range::any(), "Forward of the vehicle's origin.")
+        .real("y_m", settings.y_m, Range::any(), "To the left of it.")
+        .real("z_m", settings.z_m, Range::any(), "Above it.")
+        .angle("yaw_deg", settings.yaw_rad, {-180, 180}, "Turned to the left.")
+        .angle("pitch_deg", settings.pitch_rad, {-180, 180}, "Turned nose down, after yaw.")
+        .angle("roll_deg", settings.roll_rad, {-180, 180}, "Turned right side down, after yaw and pitch.");
+    return table;
+}
+
 ParameterTable outputs_table(OutputSettings& settings) {
     ParameterTable table(
         "outputs", "What a run leaves in its directory beside metrics.json, config.ini and manifest.json.");
@@ -63,7 +75,7 @@ ParameterTable evaluation_table(EvaluationSettings& settings) {
 }
 
 const std::vector<std::string>& host_section_names() {
-    static const std::vector<std::string> names{"run", "outputs", "evaluation"};
+    static const std::vector<std::string> names{"run", "mount", "outputs", "evaluation"};
     return names;
 }
 

@@ -10,6 +10,7 @@ namespace loopline {
 
 ParameterTable run_table(RunSettings& settings);
 ParameterTable outputs_table(OutputSettings& settings);
+ParameterTable mount_table(MountSettings& settings);
 ParameterTable evaluation_table(EvaluationSettings& settings);
 
 /// The names of the three, in their order.

@@ -119,7 +119,7 @@ void set_status(RunRecord& record, bool interrupted, bool damaged) {
 
 std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRecord& record) {
     const auto& experiment = setup.experiment;
-    LogSource source(experiment.run.rawlogs, attempt.rules);
+    LogSource source(experiment.run.rawlogs, attempt.rules, Mounting(experiment.mount));
     Recorder recorder(setup.folder, experiment.outputs.record);
     ModuleChain chain(experiment.modules, attempt.rules.state,
                       [&recorder](const StreamItem& item) { recorder.take(*item.observation); });

@@ -19,7 +19,9 @@ std::string seconds_in_words(StampNs duration_ns) {
 
 }  // namespace
 
-LogSource::LogSource(const std::vector<std::string>& rawlogs, const ReadingRules& rules) {
+LogSource::LogSource(const std::vector<std::string>& rawlogs, const ReadingRules& rules,
+                     const Mounting& mounting)
+    : mounting_(mounting) {
     for (const auto& path : rawlogs) inputs_.push_back(std::make_unique<Input>(path, rules, inputs_.size()));
 }
 
@@ -58,6 +60,7 @@ void LogSource::fill_head(Input& input) {
             input.ended = true;
             continue;
         }
+        mounting_.apply(*observation);
         if (const char* reason = refusal_of(*observation)) {
             ++refusals_[reason];
             continue;

@@ -12,6 +12,7 @@
 #include "api/module.h"
 #include "pipeline/archive_reader.h"
 #include "pipeline/log_facts.h"
+#include "pipeline/mounting.h"
 #include "pipeline/object_splitter.h"
 
 namespace loopline {
@@ -19,7 +20,8 @@ namespace loopline {
 class LogSource {
  public:
     /// Opens all files. Throws CommandError(exit_input_data) for the first that can't be opened.
-    explicit LogSource(const std::vector<std::string>& rawlogs, const ReadingRules& rules = {});
+    explicit LogSource(const std::vector<std::string>& rawlogs, const ReadingRules& rules = {},
+                       const Mounting& mounting = Mounting());
 
     /// The next observation; false at the end. Every pass over the same files gives the same items with the
     /// same sequences, and damage at the end of a file changes nothing before it. An observation without a
@@ -59,6 +61,7 @@ class LogSource {
     void stamp_head(Input& input);
     Input* earliest();
 
+    Mounting mounting_;
     std::vector<std::unique_ptr<Input>> inputs_;
     std::map<std::string, std::uint64_t> refusals_;
     std::uint64_t sequence_ = 0;

@@ -64,7 +64,7 @@ void map_pass(const RunSetup& setup, const Attempt& attempt, std::uint64_t items
     const auto at_work = [state](const Drawing& drawing, std::uint64_t position) {
         if (state != nullptr) state->enter(WorkerState::Stage::map_builder, drawing.index, position);
     };
-    LogSource source(setup.experiment.run.rawlogs, attempt.rules);
+    LogSource source(setup.experiment.run.rawlogs, attempt.rules, Mounting(setup.experiment.mount));
     Progress progress("drawing maps", !setup.quiet);
     for (const auto& drawing : drawings)
         drawing.builder->start({setup.threads, setup.experiment.run.seed}, *drawing.trajectory);
