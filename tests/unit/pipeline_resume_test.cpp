@@ -35,7 +35,7 @@ TEST(Resume, a_broken_run_ends_with_the_same_bytes) {
 }
 
 TEST(Resume, so_it_does_where_a_step_of_the_filter_takes_seven_scans) {
-    expect_same_after_breaks("checkpoint_items = 1\n" + chain + "[line_slam]\ninterval_scans = 7\n");
+    expect_same_after_breaks("checkpoint_items = 4\n" + chain + "[line_slam]\ninterval_scans = 7\n");
 }
 
 TEST(Resume, so_it_does_on_a_long_log_with_a_recording_of_several_blocks) {
