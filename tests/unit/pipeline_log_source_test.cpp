@@ -229,6 +229,8 @@ TEST(LogSource, the_ini_knows_better_where_a_sensor_sits) {
     mount.sensors = {"rear"};
     mount.x_m = -0.2;
     mount.yaw_rad = M_PI / 2;
+    mount.range_scale = 1.05;
+    mount.range_offset_m = 0.03;
     LogSource source({folder / "log"}, {}, Mounting(mount));
     const auto items = stream(source);
     ASSERT_EQ(items.size(), 2u);
@@ -238,6 +240,11 @@ TEST(LogSource, the_ini_knows_better_where_a_sensor_sits) {
     EXPECT_DOUBLE_EQ(pose(0).x(), 0.5);
     EXPECT_DOUBLE_EQ(pose(1).x(), -0.2);
     EXPECT_DOUBLE_EQ(pose(1).yaw(), M_PI / 2);
+    const auto range_m = [&](std::size_t i) {
+        return dynamic_cast<const CObservation2DRangeScan&>(*items[i].observation).getScanRange(3);
+    };
+    EXPECT_FLOAT_EQ(range_m(0), 1.0f);
+    EXPECT_FLOAT_EQ(range_m(1), 1.08f);
 }
 
 TEST(LogSource, two_sensors_with_one_label_are_noticed) {

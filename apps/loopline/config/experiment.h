@@ -21,11 +21,12 @@ struct RunSettings {
     int checkpoint_items = 0;  ///< a checkpoint after so many items; 0: by time
 };
 
-/// [mount]: where sensors sit on the vehicle, if the log is wrong about it.
+/// [mount]: where sensors sit on the vehicle and what their ranges lack, if the log is wrong about it.
 struct MountSettings {
     std::vector<std::string> sensors;  ///< labels; empty: the log is right about all
     double x_m = 0, y_m = 0, z_m = 0;
     double yaw_rad = 0, pitch_rad = 0, roll_rad = 0;
+    double range_scale = 1, range_offset_m = 0;  ///< true range = scale x range + offset
 };
 
 /// [outputs]

@@ -23,14 +23,20 @@ ParameterTable run_table(RunSettings& settings) {
 }
 
 ParameterTable mount_table(MountSettings& settings) {
-    ParameterTable table("mount", "Where sensors sit on the vehicle, in place of what the log says.");
+    ParameterTable table(
+        "mount",
+        "Where sensors sit on the vehicle and what their ranges lack, in place of what the log says.");
     table.list("sensors", settings.sensors, "Labels of the sensors that this is about; empty: none.")
         .real("x_m", settings.x_m, Range::any(), "Forward of the vehicle's origin.")
         .real("y_m", settings.y_m, Range::any(), "To the left of it.")
         .real("z_m", settings.z_m, Range::any(), "Above it.")
         .angle("yaw_deg", settings.yaw_rad, {-180, 180}, "Turned to the left.")
         .angle("pitch_deg", settings.pitch_rad, {-180, 180}, "Turned nose down, after yaw.")
-        .angle("roll_deg", settings.roll_rad, {-180, 180}, "Turned right side down, after yaw and pitch.");
+        .angle("roll_deg", settings.roll_rad, {-180, 180}, "Turned right side down, after yaw and pitch.")
+        .real("range_scale", settings.range_scale, {0.1, 10},
+              "Of a laser: true range = range_scale x range + range_offset_m.")
+        .real("range_offset_m", settings.range_offset_m, {-10, 10},
+              "What its ranges are short of, beside their scale.");
     return table;
 }
 
