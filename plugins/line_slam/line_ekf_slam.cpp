@@ -6,6 +6,7 @@
 #include "line_slam/chi_square.h"
 
 namespace loopline::line_slam {
+
 LineEkfSlam::LineEkfSlam(const LineSlamParameters& parameters)
     : parameters_(parameters),
       filter_(EkfParameters{parameters.drive, parameters.feature, parameters.update}),
