@@ -1,6 +1,7 @@
 #include "line_slam/ekf.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -8,29 +9,18 @@
 namespace loopline::line_slam {
 namespace {
 
-/// `matrix` without rows (and columns, if `both`) first .. first + count - 1.
-Eigen::MatrixXd without(const Eigen::MatrixXd& matrix, Eigen::Index first, Eigen::Index count, bool both) {
-    const Eigen::Index rows = matrix.rows() - count, cols = matrix.cols() - (both ? count : 0);
-    Eigen::MatrixXd rest(rows, cols);
-    for (Eigen::Index c = 0; c < cols; ++c) {
-        const Eigen::Index from = both && c >= first ? c + count : c;
-        rest.col(c).head(first) = matrix.col(from).head(first);
-        rest.col(c).tail(rows - first) = matrix.col(from).tail(rows - first);
-    }
-    return rest;
-}
+/// A local map that mostly passes on lines from before to maps after it costs more than it saves.
+constexpr std::size_t few_guests = 30;
 
 }  // namespace
 
-Ekf::Ekf(const EkfParameters& parameters)
-    : parameters_(parameters),
-      P_aa_(Eigen::MatrixXd::Zero(head, head)),
-      P_ab_(head, 0),
-      P_bb_(0, 0),
-      phi_(Eigen::MatrixXd::Identity(head, head)),
-      psi_(Eigen::MatrixXd::Zero(head, head)),
-      chi_(Eigen::VectorXd::Zero(head)) {
-    P_aa_.diagonal().segment<3>(3).setConstant(std::pow(parameters.drive.sigma_scale, 2));
+Ekf::Ekf(const EkfParameters& parameters) : parameters_(parameters) {
+    LocalMap first;
+    first.P = Eigen::MatrixXd::Zero(head, head);
+    first.P.diagonal().segment<3>(3).setConstant(std::pow(parameters.drive.sigma_scale, 2));
+    first.since_entered = {Eigen::MatrixXd(head, 0), Eigen::MatrixXd(0, 0),
+                           Eigen::VectorXd(0)};  // nothing was before
+    maps_.push_back(std::move(first));
 }
 
 Eigen::Matrix3d Ekf::pose_covariance() const {
@@ -40,17 +30,18 @@ Eigen::Matrix3d Ekf::pose_covariance() const {
 
 Eigen::Matrix2d Ekf::line_covariance(int id) const {
     assert(is_active(id));
-    const Eigen::Index r = row(slot(id).position);
-    return P_aa_.block<2, 2>(r, r);
+    return P().block<2, 2>(row(id), row(id));
 }
 
 Eigen::Matrix2d Ekf::predicted_covariance(int id_i, int id_j) const {
     assert(is_active(id_i) && is_active(id_j));
-    const Eigen::Index i = row(slot(id_i).position), j = row(slot(id_j).position);
-    const ObservationJacobians H_i = feature_jacobians(parameters_.feature, T_map_base_, line(id_i));
-    const ObservationJacobians H_j = feature_jacobians(parameters_.feature, T_map_base_, line(id_j));
-    const Matrix23 with_pose = H_i.pose * P_aa_.topLeftCorner<3, 3>() + H_i.line * P_aa_.block<2, 3>(i, 0);
-    const Eigen::Matrix2d with_line = H_i.pose * P_aa_.block<3, 2>(0, j) + H_i.line * P_aa_.block<2, 2>(i, j);
+    const Eigen::Index i = row(id_i), j = row(id_j);
+    const ObservationJacobians H_i =
+        feature_jacobians(parameters_.feature, T_map_base_, line(id_i), first_normal(id_i));
+    const ObservationJacobians H_j =
+        feature_jacobians(parameters_.feature, T_map_base_, line(id_j), first_normal(id_j));
+    const Matrix23 with_pose = H_i.pose * P().topLeftCorner<3, 3>() + H_i.line * P().block<2, 3>(i, 0);
+    const Eigen::Matrix2d with_line = H_i.pose * P().block<3, 2>(0, j) + H_i.line * P().block<2, 2>(i, j);
     return with_pose * H_j.pose.transpose() + with_line * H_j.line.transpose();
 }
 
@@ -62,6 +53,7 @@ void Ekf::predict(const std::vector<MotionPiece>& motion) {
 
 void Ekf::predict_piece(const MotionPiece& piece) {
     const WheelTravel& travel = piece.travel;
+    Eigen::MatrixXd &P = local().P, &phi = local().since_entered.phi;
     const Pose2 T_old_new = moved(travel, parameters_.drive.track_width_m, calibration_);
     const MotionJacobians J = motion_jacobians(travel, parameters_.drive.track_width_m, calibration_);
     // A change of the increment's (x, y, phi) as an error on its left, and that as one on the new pose's
@@ -79,39 +71,40 @@ void Ekf::predict_piece(const MotionPiece& piece) {
     const Eigen::Matrix3d G = to_error * J.travel;
     const Eigen::Matrix3d noise = G * Q * G.transpose();
     motion_error_noise_ += noise;
-    motion_error_covariance_ += noise + F_calibration * P_aa_.block<3, 3>(3, 3) * F_calibration.transpose();
+    motion_error_covariance_ += noise + F_calibration * P.block<3, 3>(3, 3) * F_calibration.transpose();
 
-    P_aa_.topRows<3>() += F_calibration * P_aa_.middleRows<3>(3);
-    P_aa_.leftCols<3>() += P_aa_.middleCols<3>(3) * F_calibration.transpose();
-    P_aa_.topLeftCorner<3, 3>() += noise;
-    phi_.topRows<3>() += F_calibration * phi_.middleRows<3>(3);
+    P.topRows<3>() += F_calibration * P.middleRows<3>(3);
+    P.leftCols<3>() += P.middleCols<3>(3) * F_calibration.transpose();
+    P.topLeftCorner<3, 3>() += noise;
+    phi.topRows<3>() += F_calibration * phi.middleRows<3>(3);
     T_map_base_ = T_map_base_ * T_old_new;
 }
 
 void Ekf::doubt_motion(double factor) {
-    P_aa_.topLeftCorner<3, 3>() += factor * motion_error_noise_;
+    local().P.topLeftCorner<3, 3>() += factor * motion_error_noise_;
 }
 
 bool Ekf::update(const std::vector<Pairing>& pairings, const std::vector<LineObservation>& observations) {
     if (pairings.empty()) return true;
+    const Eigen::MatrixXd& phi = maps_.back().since_entered.phi;
     const auto m = 2 * static_cast<Eigen::Index>(pairings.size());
-    Eigen::MatrixXd PHt(P_aa_.rows(), m), H_phi(m, phi_.cols()), S(m, m);
+    Eigen::MatrixXd PHt(P().rows(), m), H_phi(m, phi.cols()), S(m, m);
     Eigen::VectorXd v(m);
     std::vector<FeaturePrediction> f;
     for (std::size_t k = 0; k < pairings.size(); ++k) {
-        const Eigen::Index at = 2 * static_cast<Eigen::Index>(k), r = row(slot(pairings[k].line).position);
+        const Eigen::Index at = 2 * static_cast<Eigen::Index>(k), r = row(pairings[k].line);
         const LineObservation& z = observations[static_cast<std::size_t>(pairings[k].observation)];
-        f.push_back(predict_feature(parameters_.feature, T_map_base_, line(pairings[k].line), z,
-                                    z.covariance + z.surplus));
+        f.push_back(predict_feature(parameters_.feature, T_map_base_, line(pairings[k].line),
+                                    first_normal(pairings[k].line), z, z.covariance + z.surplus));
         const ObservationJacobians& H = f[k].H;
         PHt.middleCols<2>(at) =
-            P_aa_.leftCols<3>() * H.pose.transpose() + P_aa_.middleCols<2>(r) * H.line.transpose();
-        H_phi.middleRows<2>(at) = H.pose * phi_.topRows<3>() + H.line * phi_.middleRows<2>(r);
+            P().leftCols<3>() * H.pose.transpose() + P().middleCols<2>(r) * H.line.transpose();
+        H_phi.middleRows<2>(at) = H.pose * phi.topRows<3>() + H.line * phi.middleRows<2>(r);
         v.segment<2>(at) = f[k].innovation;
     }
     S.setZero();
     for (std::size_t k = 0; k < pairings.size(); ++k) {
-        const Eigen::Index at = 2 * static_cast<Eigen::Index>(k), r = row(slot(pairings[k].line).position);
+        const Eigen::Index at = 2 * static_cast<Eigen::Index>(k), r = row(pairings[k].line);
         const ObservationJacobians& H = f[k].H;
         if (parameters_.update == Update::joint)
             S.middleRows<2>(at) = H.pose * PHt.topRows<3>() + H.line * PHt.middleRows<2>(r);
@@ -134,60 +127,62 @@ bool Ekf::apply(const Eigen::MatrixXd& PHt, const Eigen::MatrixXd& H_phi, const 
 
     T_map_base_ = corrected(T_map_base_, dx.head<3>());
     calibration_ = {calibration_.left + dx(3), calibration_.right + dx(4), calibration_.track + dx(5)};
-    for (std::size_t k = 0; k < active_.size(); ++k) {
-        PlanarLine& l = lines_[static_cast<std::size_t>(active_[k])];
-        l.rho_m += dx(row(static_cast<int>(k)));
-        l.alpha_rad = wrap_to_pi(l.alpha_rad + dx(row(static_cast<int>(k)) + 1));
-    }
-    P_aa_.noalias() -= W * W.transpose();
-    if (!passive_.empty()) {
-        const Eigen::MatrixXd Y = llt.matrixL().solve(H_phi);
-        phi_.noalias() -= W * Y;
-        psi_.noalias() += Y.transpose() * Y;
-        chi_.noalias() += Y.transpose() * whitened;
-    }
+    for (const int id : active_lines()) add_to_line(id, dx(row(id)), dx(row(id) + 1));
+    local().P.noalias() -= W * W.transpose();
+    auto& [phi, psi, chi] = local().since_entered;
+    const Eigen::MatrixXd Y = llt.matrixL().solve(H_phi);
+    phi.noalias() -= W * Y;
+    psi.noalias() += Y.transpose() * Y;
+    chi.noalias() += Y.transpose() * whitened;
     return true;
+}
+
+void Ekf::add_to_line(int id, double rho_m, double alpha_rad) {
+    PlanarLine& l = lines_[static_cast<std::size_t>(id)];
+    l.rho_m += rho_m;
+    l.alpha_rad = wrap_to_pi(l.alpha_rad + alpha_rad);
 }
 
 int Ekf::augment(const LineObservation& observation) {
     const PlanarLine l = transformed(T_map_base_, observation.line);
     const AugmentationJacobians G = augmentation_jacobians(T_map_base_, l);
-    const Eigen::Index n = P_aa_.rows();
-    const Eigen::MatrixXd with_rest = G.pose * P_aa_.topRows<3>();
-    P_aa_.conservativeResize(n + 2, n + 2);
-    P_aa_.bottomLeftCorner(2, n) = with_rest;
-    P_aa_.topRightCorner(n, 2) = with_rest.transpose();
-    P_aa_.bottomRightCorner<2, 2>() =
+    Eigen::MatrixXd &P = local().P, &phi = local().since_entered.phi;
+    const Eigen::Index n = P.rows();
+    const Eigen::MatrixXd with_rest = G.pose * P.topRows<3>();
+    P.conservativeResize(n + 2, n + 2);
+    P.bottomLeftCorner(2, n) = with_rest;
+    P.topRightCorner(n, 2) = with_rest.transpose();
+    P.bottomRightCorner<2, 2>() =
         with_rest.leftCols<3>() * G.pose.transpose() +
         G.observation * (observation.covariance + observation.surplus) * G.observation.transpose();
-    const Eigen::MatrixXd phi_new = G.pose * phi_.topRows<3>();
-    phi_.conservativeResize(n + 2, Eigen::NoChange);
-    phi_.bottomRows<2>() = phi_new;
+    const Eigen::MatrixXd phi_new = G.pose * phi.topRows<3>();
+    phi.conservativeResize(n + 2, Eigen::NoChange);
+    phi.bottomRows<2>() = phi_new;
 
     const int id = line_ids();
     lines_.push_back(l);
-    slots_.push_back({Part::active, static_cast<int>(active_.size())});
-    active_.push_back(id);
+    lines_on_leaving_.push_back(l);
+    first_normals_.push_back(l.normal());
+    slots_.push_back({here(), static_cast<int>(active_lines().size())});
+    local().lines.push_back(id);
     return id;
 }
 
 void Ekf::same_wall_innovation(const std::vector<SameWall>& walls, Eigen::MatrixXd& PHt, Eigen::MatrixXd& S,
                                Eigen::VectorXd& v) const {
     const auto m = 2 * static_cast<Eigen::Index>(walls.size());
-    PHt.resize(P_aa_.rows(), m);
+    PHt.resize(P().rows(), m);
     S.resize(m, m);
     v.resize(m);
     for (Eigen::Index k = 0; k < m; k += 2) {
         const SameWall& w = walls[static_cast<std::size_t>(k / 2)];
-        PHt.middleCols<2>(k) =
-            P_aa_.middleCols<2>(row(slot(w.kept).position)) - P_aa_.middleCols<2>(row(slot(w.gone).position));
+        PHt.middleCols<2>(k) = P().middleCols<2>(row(w.kept)) - P().middleCols<2>(row(w.gone));
         v.segment<2>(k) << line(w.gone).rho_m - line(w.kept).rho_m,
             wrap_to_pi(line(w.gone).alpha_rad - line(w.kept).alpha_rad);
     }
     for (Eigen::Index k = 0; k < m; k += 2) {
         const SameWall& w = walls[static_cast<std::size_t>(k / 2)];
-        S.middleRows<2>(k) =
-            PHt.middleRows<2>(row(slot(w.kept).position)) - PHt.middleRows<2>(row(slot(w.gone).position));
+        S.middleRows<2>(k) = PHt.middleRows<2>(row(w.kept)) - PHt.middleRows<2>(row(w.gone));
         S.block<2, 2>(k, k) += w.slack;
     }
 }
@@ -201,15 +196,28 @@ double Ekf::same_wall_distance2(const std::vector<SameWall>& walls) const {
     return llt.matrixL().solve(v).squaredNorm();
 }
 
+/// Two lines that were first estimated in different directions answer differently to a motion of the whole
+/// map. That they are one wall would then tell that motion, which nobody has seen. So the error of the one is
+/// written anew, as if it had been estimated like the other: drho' = drho + (n' - n) . t.
+void Ekf::turn_first_normal(int id, const Eigen::Vector2d& normal) {
+    Eigen::MatrixXd &P = local().P, &phi = local().since_entered.phi;
+    const Eigen::RowVector2d turn = (normal - first_normal(id)).transpose();
+    P.row(row(id)) += turn * P.topRows<2>();
+    P.col(row(id)) += P.leftCols<2>() * turn.transpose();
+    phi.row(row(id)) += turn * phi.topRows<2>();
+    first_normals_[static_cast<std::size_t>(id)] = normal;
+}
+
 bool Ekf::merge(const std::vector<SameWall>& walls) {
+    for (const SameWall& w : walls) turn_first_normal(w.gone, first_normal(w.kept));
     Eigen::MatrixXd PHt, S;
     Eigen::VectorXd v;
     same_wall_innovation(walls, PHt, S, v);
-    Eigen::MatrixXd H_phi(v.size(), phi_.cols());
+    const Eigen::MatrixXd& phi = maps_.back().since_entered.phi;
+    Eigen::MatrixXd H_phi(v.size(), phi.cols());
     for (std::size_t k = 0; k < walls.size(); ++k)
         H_phi.middleRows<2>(2 * static_cast<Eigen::Index>(k)) =
-            phi_.middleRows<2>(row(slot(walls[k].kept).position)) -
-            phi_.middleRows<2>(row(slot(walls[k].gone).position));
+            phi.middleRows<2>(row(walls[k].kept)) - phi.middleRows<2>(row(walls[k].gone));
     if (!apply(PHt, H_phi, S, v)) return false;
     for (const SameWall& w : walls) remove(w.gone);
     return true;
@@ -217,75 +225,133 @@ bool Ekf::merge(const std::vector<SameWall>& walls) {
 
 void Ekf::remove(int id) {
     const Slot where = slot(id);
-    assert(where.part != Part::gone);
-    const Eigen::Index first = 2 * where.position;
-    if (where.part == Part::active) {
-        P_aa_ = without(P_aa_, head + first, 2, true);
-        phi_ = without(phi_, head + first, 2, false);
-        active_.erase(active_.begin() + where.position);
-    } else {
-        P_ab_ = without(P_ab_.transpose(), first, 2, false).transpose().eval();
-        P_bb_ = without(P_bb_, first, 2, true);
-        passive_.erase(passive_.begin() + where.position);
-    }
-    slots_[static_cast<std::size_t>(id)] = {Part::gone, 0};
-    renumber();
+    assert(where.map != nowhere);
+    maps_[static_cast<std::size_t>(where.map)].remove(where.position);
+    slots_[static_cast<std::size_t>(id)].map = nowhere;
+    number_lines(where.map);
 }
 
-void Ekf::bring_passive_up_to_date() {
-    const Eigen::MatrixXd psi_P_ab = psi_ * P_ab_;
-    P_bb_.noalias() -= P_ab_.transpose() * psi_P_ab;
-    const Eigen::VectorXd dx = P_ab_.transpose() * chi_;
-    for (std::size_t k = 0; k < passive_.size(); ++k) {
-        PlanarLine& l = lines_[static_cast<std::size_t>(passive_[k])];
-        l.rho_m += dx(2 * static_cast<Eigen::Index>(k));
-        l.alpha_rad = wrap_to_pi(l.alpha_rad + dx(2 * static_cast<Eigen::Index>(k) + 1));
+void Ekf::number_lines(int map) {
+    const std::vector<int>& ids = maps_[static_cast<std::size_t>(map)].lines;
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+        Slot& s = slots_[static_cast<std::size_t>(ids[k])];
+        if (s.map == map) s.position = static_cast<int>(k);
     }
-    P_ab_ = (phi_ * P_ab_).eval();
+}
+
+std::vector<int> Ekf::at_home(int map) const {
+    std::vector<int> ids;
+    for (const int id : maps_[static_cast<std::size_t>(map)].lines)
+        if (slot(id).map == map) ids.push_back(id);
+    return ids;
 }
 
 void Ekf::activate(const std::vector<int>& ids) {
-    bring_passive_up_to_date();
-    const Eigen::Index a = P_aa_.rows(), b = P_bb_.rows();
-    Eigen::MatrixXd P(a + b, a + b);
-    P << P_aa_, P_ab_, P_ab_.transpose(), P_bb_;
-
-    std::vector<int> rest;
     std::vector<bool> wanted(slots_.size(), false);
     for (const int id : ids) wanted[static_cast<std::size_t>(id)] = true;
-    for (int id = 0; id < line_ids(); ++id)
-        if (exists(id) && !wanted[static_cast<std::size_t>(id)]) rest.push_back(id);
-    std::vector<Eigen::Index> source{0, 1, 2, 3, 4, 5};
-    for (const std::vector<int>* part : std::initializer_list<const std::vector<int>*>{&ids, &rest})
-        for (const int id : *part) {
-            const Eigen::Index r = is_active(id) ? row(slot(id).position) : a + 2 * slot(id).position;
-            source.insert(source.end(), {r, r + 1});
-        }
-    const Eigen::Index a_new = head + 2 * static_cast<Eigen::Index>(ids.size());
-    P = P(source, source).eval();
-    P_aa_ = P.topLeftCorner(a_new, a_new);
-    P_ab_ = P.topRightCorner(a_new, a + b - a_new);
-    P_bb_ = P.bottomRightCorner(a + b - a_new, a + b - a_new);
-    active_ = ids;
-    passive_ = rest;
-    renumber();
-    phi_ = Eigen::MatrixXd::Identity(a_new, a_new);
-    psi_ = Eigen::MatrixXd::Zero(a_new, a_new);
-    chi_ = Eigen::VectorXd::Zero(a_new);
+    std::vector<int> staying;
+    for (const int id : active_lines())
+        if (wanted[static_cast<std::size_t>(id)])
+            staying.push_back(slot(id).position);
+        else
+            lines_on_leaving_[static_cast<std::size_t>(id)] = line(id);
+    if (staying.size() < active_lines().size()) {
+        maps_.push_back(local().leave(staying));
+        for (const int id : active_lines()) slots_[static_cast<std::size_t>(id)].map = here();
+        number_lines(here());
+    }
+    activate_also(ids);
 }
 
-void Ekf::renumber() {
-    for (std::size_t k = 0; k < active_.size(); ++k)
-        slots_[static_cast<std::size_t>(active_[k])] = {Part::active, static_cast<int>(k)};
-    for (std::size_t k = 0; k < passive_.size(); ++k)
-        slots_[static_cast<std::size_t>(passive_[k])] = {Part::passive, static_cast<int>(k)};
+void Ekf::activate_also(std::vector<int> ids) {
+    ids.erase(std::remove_if(ids.begin(), ids.end(), [&](int id) { return is_active(id); }), ids.end());
+    const auto home = [&](int a, int b) { return slot(a).map < slot(b).map; };
+    const int first = ids.empty() ? here() - 1 : slot(*std::min_element(ids.begin(), ids.end(), home)).map;
+    for (int map = first; map < here(); ++map) {
+        std::vector<int> from_here;
+        for (const int id : ids)
+            if (slot(id).map == map) from_here.push_back(id);
+        if (!from_here.empty()) send_on(map, from_here);
+    }
+    tidy(std::max(first, 0));
+}
+
+void Ekf::send_on(int map, const std::vector<int>& ids) {
+    std::vector<int> positions;
+    for (const int id : ids) positions.push_back(slot(id).position);
+    LocalMap& next = maps_[static_cast<std::size_t>(map) + 1];
+    const auto change = next.welcome(maps_[static_cast<std::size_t>(map)].send_on(positions));
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+        const auto id = static_cast<std::size_t>(ids[k]);
+        slots_[id].map = map + 1;
+        lines_[id] = lines_on_leaving_[id];
+        add_to_line(ids[k], change(2 * static_cast<Eigen::Index>(k)),
+                    change(2 * static_cast<Eigen::Index>(k) + 1));
+        lines_on_leaving_[id] = lines_[id];
+    }
+    number_lines(map + 1);
+}
+
+/// A map that no line is at home in is a mere step of the chain, and one that carries many guests for few
+/// lines of its own costs more than it saves: both are joined with the next. So a second round through
+/// everything ends in one map, the full filter, instead of many that each hold nearly all.
+void Ekf::tidy(int first_map) {
+    for (int map = first_map; map < here();) {
+        const std::size_t own = at_home(map).size();
+        const std::size_t guests = maps_[static_cast<std::size_t>(map)].lines.size() - own;
+        if (own == 0 || (guests > few_guests + 2 * own && map + 1 < here()))
+            join_with_next(map);
+        else
+            ++map;
+    }
+}
+
+void Ekf::join_with_next(int map) {
+    const std::vector<int> own = at_home(map);
+    if (!own.empty()) send_on(map, own);
+    const auto k = static_cast<std::size_t>(map);
+    maps_[k + 1].since_entered = joined(maps_[k], maps_[k + 1].since_entered);
+    maps_.erase(maps_.begin() + map);
+    for (Slot& s : slots_) s.map -= s.map > map;
+}
+
+void Ekf::refresh_passive_lines() {
+    // chi of (1) from the entering of map k + 1 until now, in the terms of what map k kept.
+    Eigen::VectorXd chi = local().since_entered.chi;
+    for (int map = here() - 1; map >= 0; --map) {
+        const LocalMap& m = maps_[static_cast<std::size_t>(map)];
+        const auto kept = LocalMap::rows_of(m.kept);
+        for (const int id : at_home(map)) {
+            const Eigen::Vector2d change = m.P(kept, Eigen::seqN(row(id), 2)).transpose() * chi;
+            lines_[static_cast<std::size_t>(id)] = lines_on_leaving_[static_cast<std::size_t>(id)];
+            add_to_line(id, change(0), change(1));
+        }
+        chi = m.since_entered.chi + m.since_entered.phi(kept, Eigen::all).transpose() * chi;
+    }
+}
+
+std::vector<Eigen::Matrix2d> Ekf::line_covariances() const {
+    std::vector<Eigen::Matrix2d> covariances(lines_.size(), Eigen::Matrix2d::Zero());
+    for (const int id : active_lines()) covariances[static_cast<std::size_t>(id)] = line_covariance(id);
+    Eigen::MatrixXd psi = maps_.back().since_entered.psi;  // as chi in refresh_passive_lines
+    for (int map = here() - 1; map >= 0; --map) {
+        const LocalMap& m = maps_[static_cast<std::size_t>(map)];
+        const auto kept = LocalMap::rows_of(m.kept);
+        for (const int id : at_home(map)) {
+            const Eigen::MatrixXd with_kept = m.P(kept, Eigen::seqN(row(id), 2));
+            covariances[static_cast<std::size_t>(id)] =
+                m.P.block<2, 2>(row(id), row(id)) - with_kept.transpose() * psi * with_kept;
+        }
+        const Eigen::MatrixXd phi_kept = m.since_entered.phi(kept, Eigen::all);
+        psi = (m.since_entered.psi + phi_kept.transpose() * psi * phi_kept).eval();
+    }
+    return covariances;
 }
 
 bool Ekf::is_sound() const {
-    return P_aa_.allFinite() && std::isfinite(T_map_base_.x_m) && std::isfinite(T_map_base_.y_m) &&
-           std::isfinite(T_map_base_.phi_rad) &&
-           (P_aa_.diagonal().tail(P_aa_.rows() - head).array() > 0).all() &&
-           (P_aa_.diagonal().head<head>().array() >= 0).all();
+    return P().allFinite() && std::isfinite(T_map_base_.x_m) && std::isfinite(T_map_base_.y_m) &&
+           std::isfinite(T_map_base_.phi_rad) && (P().diagonal().tail(P().rows() - head).array() > 0).all() &&
+           (P().diagonal().head<head>().array() >= 0).all();
 }
 
 }  // namespace loopline::line_slam

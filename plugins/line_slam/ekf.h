@@ -1,9 +1,9 @@
 /// The state (pose, wheel calibration and map lines), its covariance, and everything that changes them.
 ///
-/// Lines near the vehicle are active; the others are passive. Updates touch the active part alone and gather
-/// what they mean for the passive part, which is brought up to date when the active set changes: exactly the
-/// full filter's result, at a cost per scan that does not grow with the map (the compressed filter of Guivant
-/// and Nebot 2001).
+/// Lines near the vehicle are active; the others are passive. Prediction, update and augmentation touch the
+/// active part alone, which is the last of a chain of local maps (local_map.h); the others are told what they
+/// have to learn from it when they are looked at: exactly the full filter's result, at a cost per scan that
+/// does not grow with the map.
 ///
 /// Errors are those of line_observation.h: invariant for the pose, plain (rho, alpha) for lines. So the
 /// motion model's pose Jacobian, eq. (5), is the identity, and eq. (6) leaves the cross covariance alone.
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "line_slam/feature.h"
+#include "line_slam/local_map.h"
 #include "line_slam/motion_model.h"
 
 namespace loopline::line_slam {
@@ -42,26 +43,25 @@ class Ekf {
 
     const Pose2& T_map_base() const { return T_map_base_; }
     const WheelCalibration& calibration() const { return calibration_; }
-    /// A passive line's value may lag behind until it is activated.
+    /// A passive line's value may lag behind until it is activated, or all are refreshed.
     const PlanarLine& line(int id) const { return lines_[static_cast<std::size_t>(id)]; }
-    bool is_active(int id) const { return slot(id).part == Part::active; }
-    bool exists(int id) const { return slot(id).part != Part::gone; }
-    const std::vector<int>& active_lines() const { return active_; }
-    const std::vector<int>& passive_lines() const { return passive_; }
+    bool is_active(int id) const { return slot(id).map == here(); }
+    bool exists(int id) const { return slot(id).map != nowhere; }
+    const std::vector<int>& active_lines() const { return maps_.back().lines; }
     /// Ids that were ever given: 0 .. line_ids() - 1.
     int line_ids() const { return static_cast<int>(lines_.size()); }
 
     /// Covariance of the pose's (x, y, phi).
     Eigen::Matrix3d pose_covariance() const;
     /// Covariance of the pose's invariant error (t_x, t_y, theta).
-    Eigen::Matrix3d pose_error_covariance() const { return P_aa_.topLeftCorner<3, 3>(); }
+    Eigen::Matrix3d pose_error_covariance() const { return P().topLeftCorner<3, 3>(); }
     /// Covariance of an active line's (rho, alpha).
     Eigen::Matrix2d line_covariance(int id) const;
     /// H_i P H_j^T of two active lines' observations, eq. (12) without R.
     Eigen::Matrix2d predicted_covariance(int id_i, int id_j) const;
     /// v of eq. (13), and its R, of one sighting by itself.
     FeaturePrediction prediction(int id, const LineObservation& observation) const {
-        return predict_feature(parameters_.feature, T_map_base_, line(id), observation,
+        return predict_feature(parameters_.feature, T_map_base_, line(id), first_normal(id), observation,
                                observation.covariance);
     }
 
@@ -96,8 +96,16 @@ class Ekf {
     bool merge(const std::vector<SameWall>& walls);
     void remove(int id);
 
-    /// Makes exactly these lines active; brings everything up to date.
+    /// Makes exactly these lines active, and these alone up to date.
     void activate(const std::vector<int>& ids);
+    /// Makes these active too.
+    void activate_also(std::vector<int> ids);
+    /// The values of passive lines as they are known now.
+    void refresh_passive_lines();
+    /// Covariances of (rho, alpha) of all lines, by id; zero of those that do not exist.
+    std::vector<Eigen::Matrix2d> line_covariances() const;
+
+    std::size_t local_maps() const { return maps_.size(); }
 
     /// All numbers finite and all variances positive.
     bool is_sound() const;
@@ -107,38 +115,47 @@ class Ekf {
     friend void fields(Archive&, Ekf&);
     void predict_piece(const MotionPiece& piece);
 
-    enum class Part { active, passive, gone };
+    static constexpr Eigen::Index head = LocalMap::head;
+    static constexpr int nowhere = -1;
+    /// Where a line is at home: in the last local map that holds it.
     struct Slot {
-        Part part;
-        int position;  ///< within active_ or passive_
+        int map;
+        int position;  ///< within its lines
     };
     const Slot& slot(int id) const { return slots_[static_cast<std::size_t>(id)]; }
-    static constexpr Eigen::Index head = 6;  ///< rows of the pose and of the wheel calibration
-    static Eigen::Index row(int position) { return head + 2 * position; }
+    int here() const { return static_cast<int>(maps_.size()) - 1; }
+    LocalMap& local() { return maps_.back(); }
+    const Eigen::MatrixXd& P() const { return maps_.back().P; }
+    Eigen::Index row(int id) const { return LocalMap::row(slot(id).position); }
+
     /// Differences of the pairs, gone minus kept, and their H P H^T + slack.
     void same_wall_innovation(const std::vector<SameWall>& walls, Eigen::MatrixXd& PHt, Eigen::MatrixXd& S,
                               Eigen::VectorXd& v) const;
     /// x += P H^T S^-1 v and P -= P H^T S^-1 H P, for stacked rows: `PHt` and `H_phi` belong to the same H.
     bool apply(const Eigen::MatrixXd& PHt, const Eigen::MatrixXd& H_phi, const Eigen::MatrixXd& S,
                const Eigen::VectorXd& v);
-    void bring_passive_up_to_date();
-    void renumber();
+    const Eigen::Vector2d& first_normal(int id) const { return first_normals_[static_cast<std::size_t>(id)]; }
+    void turn_first_normal(int id, const Eigen::Vector2d& normal);
+    void add_to_line(int id, double rho_m, double alpha_rad);
+    /// Lines that are at home in `map` move on to the next one.
+    void send_on(int map, const std::vector<int>& ids);
+    std::vector<int> at_home(int map) const;
+    /// Keeps the chain short: see the function.
+    void tidy(int first_map);
+    void join_with_next(int map);
+    void number_lines(int map);
 
     EkfParameters parameters_;
     Pose2 T_map_base_;
     WheelCalibration calibration_;
-    std::vector<PlanarLine> lines_;  ///< by id
-    std::vector<Slot> slots_;        ///< by id
-    std::vector<int> active_, passive_;
+    std::vector<PlanarLine> lines_;               ///< by id
+    std::vector<PlanarLine> lines_on_leaving_;    ///< by id: as the line was when its home was left
+    std::vector<Eigen::Vector2d> first_normals_;  ///< by id: for all Jacobians, see line_observation.h
+    std::vector<Slot> slots_;                     ///< by id
+    std::vector<LocalMap> maps_;                  ///< the last is the active one
 
     Eigen::Matrix3d motion_error_noise_ = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d motion_error_covariance_ = Eigen::Matrix3d::Zero();
-    Eigen::MatrixXd P_aa_;  ///< head and active lines, now
-    Eigen::MatrixXd P_ab_;  ///< of them with passive lines, when the active set was chosen: rows as then
-    Eigen::MatrixXd P_bb_;  ///< passive lines, then
-    // Since then: P_ab(now) = phi P_ab, P_bb(now) = P_bb - P_ab^T psi P_ab, x_b(now) = x_b + P_ab^T chi.
-    Eigen::MatrixXd phi_, psi_;
-    Eigen::VectorXd chi_;
 };
 
 }  // namespace loopline::line_slam

@@ -17,11 +17,20 @@ void fields(Archive& archive, WheelCalibration& calibration) {
 }
 
 template <class Archive>
+void fields(Archive& archive, Compression& c) {
+    archive(c.phi, c.psi, c.chi);
+}
+
+template <class Archive>
+void fields(Archive& archive, LocalMap& map) {
+    archive(map.lines, map.P, map.since_entered, map.kept);
+}
+
+template <class Archive>
 void fields(Archive& archive, Ekf& ekf) {
-    archive(ekf.T_map_base_, ekf.calibration_, ekf.lines_);
-    archive.each(ekf.slots_, [](auto& a, auto& slot) { a(slot.part, slot.position); });
-    archive(ekf.active_, ekf.passive_, ekf.motion_error_noise_, ekf.motion_error_covariance_);
-    archive(ekf.P_aa_, ekf.P_ab_, ekf.P_bb_, ekf.phi_, ekf.psi_, ekf.chi_);
+    archive(ekf.T_map_base_, ekf.calibration_, ekf.lines_, ekf.lines_on_leaving_, ekf.first_normals_);
+    archive.each(ekf.slots_, [](auto& a, auto& slot) { a(slot.map, slot.position); });
+    archive(ekf.maps_, ekf.motion_error_noise_, ekf.motion_error_covariance_);
 }
 
 }  // namespace loopline::line_slam

@@ -62,15 +62,17 @@ FeaturePrediction predict_foot_point(const Pose2& T_map_base, const PlanarLine& 
 }  // namespace
 
 FeaturePrediction predict_feature(Feature feature, const Pose2& T_map_base, const PlanarLine& line_map,
-                                  const LineObservation& observation, const Eigen::Matrix2d& covariance) {
+                                  const Eigen::Vector2d& first_normal, const LineObservation& observation,
+                                  const Eigen::Matrix2d& covariance) {
     if (feature == Feature::foot_point)
         return predict_foot_point(T_map_base, line_map, observation, covariance);
     return {innovation(observation.line, predicted_line(T_map_base, line_map)),
-            observation_jacobians(T_map_base, line_map), covariance};
+            observation_jacobians(T_map_base, line_map, first_normal), covariance};
 }
 
-ObservationJacobians feature_jacobians(Feature feature, const Pose2& T_map_base, const PlanarLine& line_map) {
-    if (feature == Feature::line) return observation_jacobians(T_map_base, line_map);
+ObservationJacobians feature_jacobians(Feature feature, const Pose2& T_map_base, const PlanarLine& line_map,
+                                       const Eigen::Vector2d& first_normal) {
+    if (feature == Feature::line) return observation_jacobians(T_map_base, line_map, first_normal);
     if ((line_map.point_m(0) - T_map_base.translation()).norm() < nearest_foot_m)
         return {Matrix23::Zero(), Eigen::Matrix2d::Zero()};
     return foot_point_jacobians(T_map_base, line_map);

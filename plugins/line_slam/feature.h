@@ -21,11 +21,13 @@ struct FeaturePrediction {
 };
 
 /// `covariance`: of the observation's (rho, alpha), as it shall count. A foot point that coincides with the
-/// vehicle has no bearing: its noise is then infinite.
+/// vehicle has no bearing: its noise is then infinite. `first_normal` as in observation_jacobians().
 FeaturePrediction predict_feature(Feature feature, const Pose2& T_map_base, const PlanarLine& line_map,
-                                  const LineObservation& observation, const Eigen::Matrix2d& covariance);
+                                  const Eigen::Vector2d& first_normal, const LineObservation& observation,
+                                  const Eigen::Matrix2d& covariance);
 
 /// H alone.
-ObservationJacobians feature_jacobians(Feature feature, const Pose2& T_map_base, const PlanarLine& line_map);
+ObservationJacobians feature_jacobians(Feature feature, const Pose2& T_map_base, const PlanarLine& line_map,
+                                       const Eigen::Vector2d& first_normal);
 
 }  // namespace loopline::line_slam

@@ -1,5 +1,6 @@
 #include "line_slam/line_ekf_slam.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -117,23 +118,23 @@ bool LineEkfSlam::may_be_seen(int id, const std::vector<LineObservation>& observ
     return false;
 }
 
-/// A passive line that an observation might see makes the filter choose its active set again: what may be
-/// seen now, and what was seen on the last metres.
+/// Passive lines that an observation might see join the active ones. When these have become too many, those
+/// go that can't be seen now and were not on the last metres.
 void LineEkfSlam::activate_surroundings(const std::vector<LineObservation>& observations) {
     const double reach_m =
         1.0 + 3 * std::sqrt(std::max(0.0, filter_.pose_covariance().topLeftCorner<2, 2>().trace()));
     const auto relevant = [&](int id) {
         return records_[static_cast<std::size_t>(id)].awake && may_be_seen(id, observations, reach_m);
     };
-    const auto& passive = filter_.passive_lines();
-    if (std::none_of(passive.begin(), passive.end(), relevant) &&
-        filter_.active_lines().size() < active_limit_)
-        return;
     std::vector<int> wanted;
-    for (int id = 0; id < filter_.line_ids(); ++id)
-        if (filter_.exists(id) &&
-            (path_m_ - records_[static_cast<std::size_t>(id)].last_seen_m < parameters_.active_m ||
-             relevant(id)))
+    for (const int id : awake_)
+        if (filter_.exists(id) && !filter_.is_active(id) && relevant(id)) wanted.push_back(id);
+    if (!wanted.empty()) filter_.activate_also(wanted);
+    if (filter_.active_lines().size() < active_limit_) return;
+    wanted.clear();
+    for (const int id : filter_.active_lines())
+        if (path_m_ - records_[static_cast<std::size_t>(id)].last_seen_m < parameters_.active_m ||
+            relevant(id))
             wanted.push_back(id);
     filter_.activate(wanted);
     active_limit_ = wanted.size() + 20;
@@ -149,9 +150,17 @@ void LineEkfSlam::remember_seen(const std::vector<Pairing>& pairings,
         ++record.observations;
         record.last_seen_m = path_m_;
         record.recent = true;
-        const int place = static_cast<int>(path_m_);
-        if (record.places.empty() || record.places.back() != place) record.places.push_back(place);
+        remember_place(p.line, static_cast<int>(path_m_));
     }
+}
+
+void LineEkfSlam::remember_place(int id, int place) {
+    std::vector<int>& places = records_[static_cast<std::size_t>(id)].places;
+    if (!places.empty() && places.back() == place) return;
+    places.push_back(place);
+    if (lines_at_.size() <= static_cast<std::size_t>(place))
+        lines_at_.resize(static_cast<std::size_t>(place) + 1);
+    lines_at_[static_cast<std::size_t>(place)].push_back(id);
 }
 
 void LineEkfSlam::augment_map(const Association& association,
@@ -162,8 +171,11 @@ void LineEkfSlam::augment_map(const Association& association,
         const TentativeLine& t = tentative_.add(T, observations[i], scan_, history_.track_count);
         tracks[i] = t.track;
         if (!tentative_.is_confirmed(t) || association.is_compatible[i]) continue;
-        filter_.augment(observations[i]);
-        records_.push_back({t.extent, t.track, t.scans, path_m_, {static_cast<int>(path_m_)}, true});
+        const int id = filter_.augment(observations[i]);
+        records_.push_back({t.extent, t.track, t.scans, path_m_, {}, true});
+        remember_place(id, static_cast<int>(path_m_));
+        awake_.push_back(id);
+        young_.push_back(id);
         tentative_.remove(t.track);
     }
     tentative_.forget_stale(scan_);
@@ -171,13 +183,16 @@ void LineEkfSlam::augment_map(const Association& association,
 
 /// Lines that a few scans agreed on but the next ones did not: clutter and moving things.
 void LineEkfSlam::drop_chance_lines() {
-    for (int id = 0; id < filter_.line_ids(); ++id) {
-        if (!filter_.exists(id)) continue;
+    constexpr int established = 10;  // sightings
+    const auto decided = [&](int id) {
         const MapLineRecord& record = records_[static_cast<std::size_t>(id)];
-        if (record.observations >= 10 || path_m_ - record.last_seen_m < 1.0) continue;
+        if (!filter_.exists(id) || record.observations >= established) return true;
+        if (path_m_ - record.last_seen_m < 1.0) return false;
         filter_.remove(id);
         ++counts_.dropped;
-    }
+        return true;
+    };
+    young_.erase(std::remove_if(young_.begin(), young_.end(), decided), young_.end());
 }
 
 /// All matches at once; refused if they are farther from what the filter believes than even an overconfident
@@ -207,6 +222,8 @@ bool LineEkfSlam::merge(const Recognition& recognition) {
                                       gone_lines[k].point_m(drop.extent.to_m)));
         keep.observations += drop.observations;
         keep.last_seen_m = std::max(keep.last_seen_m, drop.last_seen_m);
+        for (const int place : drop.places)
+            lines_at_[static_cast<std::size_t>(place)].push_back(walls[k].kept);
         keep.places.insert(keep.places.end(), drop.places.begin(), drop.places.end());
         std::sort(keep.places.begin(), keep.places.end());
         keep.awake = true;
@@ -222,12 +239,11 @@ void LineEkfSlam::recognise_old_place() {
     const auto found = search_old_place();
     if (!found) return;
     // Once more with the present values: passive lines lag behind.
-    std::vector<int> wanted = filter_.active_lines();
-    for (const auto& [id_recent, id_old] : found->matches)
-        if (!filter_.is_active(id_old)) wanted.push_back(id_old);
+    std::vector<int> wanted;
+    for (const auto& [id_recent, id_old] : found->matches) wanted.push_back(id_old);
     std::sort(wanted.begin(), wanted.end());
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-    filter_.activate(wanted);
+    filter_.activate_also(wanted);
     const auto confirmed = search_old_place();
     if (!confirmed) return;
     if (!merge(*confirmed)) {
@@ -235,27 +251,65 @@ void LineEkfSlam::recognise_old_place() {
         return;
     }
     ++counts_.recognised;
+    filter_.refresh_passive_lines();
+    for (int id = 0; id < filter_.line_ids(); ++id)
+        if (filter_.exists(id)) put_on_grid(id);
     woken_at_m_ = -1;
 }
 
-std::optional<Recognition> LineEkfSlam::search_old_place() const {
+void LineEkfSlam::put_on_grid(int id) {
+    const Extent& seen = records_[static_cast<std::size_t>(id)].extent;
+    grid_.add(id, filter_.line(id).point_m(seen.from_m), filter_.line(id).point_m(seen.to_m));
+}
+
+/// Lines of the last `way_m` of the path, ascending.
+std::vector<int> LineEkfSlam::lines_since(double way_m) const {
+    std::vector<int> ids;
+    for (auto place = static_cast<std::size_t>(std::max(0.0, path_m_ - way_m)); place < lines_at_.size();
+         ++place)
+        for (const int id : lines_at_[place])
+            if (filter_.exists(id) && path_m_ - records_[static_cast<std::size_t>(id)].last_seen_m <= way_m)
+                ids.push_back(id);
+    std::sort(ids.begin(), ids.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    return ids;
+}
+
+std::optional<Recognition> LineEkfSlam::search_old_place() {
     RecognitionParameters p = parameters_.recognition;
     const Eigen::Vector2d here_m = filter_.T_map_base().translation();
+    const auto place_line = [&](int id) {
+        return PlaceLine{id, filter_.line(id), records_[static_cast<std::size_t>(id)].extent};
+    };
     std::vector<PlaceLine> recent, old;
-    double unseen_m = 0;
-    for (int id = 0; id < filter_.line_ids(); ++id) {
-        if (!filter_.exists(id)) continue;
-        const MapLineRecord& record = records_[static_cast<std::size_t>(id)];
-        const PlaceLine l{id, filter_.line(id), record.extent};
-        if (path_m_ - record.last_seen_m > parameters_.recent_m) {
-            old.push_back(l);
-            unseen_m = std::max(unseen_m, path_m_ - record.last_seen_m);
-        } else if (filter_.is_active(id)) {
-            recent.push_back(l);
-        }
+    Eigen::AlignedBox2d box(here_m, here_m);
+    for (const int id : lines_since(parameters_.recent_m)) {
+        put_on_grid(id);
+        if (!filter_.is_active(id)) continue;
+        recent.push_back(place_line(id));
+        const PlaceLine& l = recent.back();
+        box.extend(l.line.point_m(l.extent.from_m));
+        box.extend(l.line.point_m(l.extent.to_m));
     }
-    p.max_shift_m += parameters_.drift_m_per_m * unseen_m;
-    p.max_turn_rad += parameters_.drift_rad_per_m * unseen_m;
+    // How far off an old place may be: what dead reckoning may have drifted since, but no more than the
+    // filter can doubt its own pose.
+    const Eigen::Matrix3d covariance = filter_.pose_covariance();
+    const double doubt = parameters_.overconfidence;
+    const double doubt_m = doubt * std::sqrt(std::max(0.0, covariance.topLeftCorner<2, 2>().trace()));
+    const double doubt_rad = doubt * std::sqrt(std::max(0.0, covariance(2, 2)));
+    const double shift_m = p.max_shift_m + std::min(doubt_m, parameters_.drift_m_per_m * path_m_);
+    const double turn_rad = p.max_turn_rad + std::min(doubt_rad, parameters_.drift_rad_per_m * path_m_);
+    const double margin_m = shift_m + turn_rad * box.diagonal().norm();
+    double unseen_m = 0;
+    for (const int id : grid_.in_box(box.min().array() - margin_m, box.max().array() + margin_m)) {
+        if (!filter_.exists(id)) continue;
+        const double since_m = path_m_ - records_[static_cast<std::size_t>(id)].last_seen_m;
+        if (since_m <= parameters_.recent_m) continue;
+        old.push_back(place_line(id));
+        unseen_m = std::max(unseen_m, since_m);
+    }
+    p.max_shift_m = std::min(shift_m, p.max_shift_m + parameters_.drift_m_per_m * unseen_m);
+    p.max_turn_rad = std::min(turn_rad, p.max_turn_rad + parameters_.drift_rad_per_m * unseen_m);
     return recognise_place(recent, old, here_m, p);
 }
 
@@ -263,23 +317,32 @@ std::optional<Recognition> LineEkfSlam::search_old_place() const {
 void LineEkfSlam::wake_neighbourhood() {
     if (path_m_ - woken_at_m_ < 0.5 && woken_at_m_ >= 0) return;
     woken_at_m_ = path_m_;
-    const int reach = static_cast<int>(parameters_.wake_m);
-    std::vector<bool> near(static_cast<std::size_t>(path_m_) + 1, false);
+    const int reach = static_cast<int>(parameters_.wake_m), last = static_cast<int>(lines_at_.size()) - 1;
+    std::vector<int> near;
     const auto mark = [&](int place) {
-        for (int p = std::max(0, place - reach); p <= std::min(place + reach, static_cast<int>(path_m_)); ++p)
-            near[static_cast<std::size_t>(p)] = true;
+        for (int p = std::max(0, place - reach); p <= std::min(place + reach, last); ++p) near.push_back(p);
     };
     mark(static_cast<int>(path_m_));
-    for (int id = 0; id < filter_.line_ids(); ++id) {
-        const MapLineRecord& record = records_[static_cast<std::size_t>(id)];
-        if (!filter_.exists(id) || path_m_ - record.last_seen_m > 2.0) continue;
-        for (const int place : record.places) mark(place);
+    for (const int id : lines_since(2.0))
+        for (const int place : records_[static_cast<std::size_t>(id)].places) mark(place);
+    const auto ascending = [](std::vector<int>& numbers) {
+        std::sort(numbers.begin(), numbers.end());
+        numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    };
+    ascending(near);
+    for (const int id : awake_) {
+        records_[static_cast<std::size_t>(id)].awake = false;
+        records_[static_cast<std::size_t>(id)].recent = false;
     }
-    for (MapLineRecord& record : records_) {
+    awake_.clear();
+    for (const int place : near)
+        for (const int id : lines_at_[static_cast<std::size_t>(place)])
+            if (filter_.exists(id)) awake_.push_back(id);
+    ascending(awake_);
+    for (const int id : awake_) {
+        MapLineRecord& record = records_[static_cast<std::size_t>(id)];
+        record.awake = true;
         record.recent = path_m_ - record.last_seen_m < parameters_.recent_m;
-        record.awake = false;
-        for (const int place : record.places)
-            record.awake = record.awake || near[static_cast<std::size_t>(place)];
     }
 }
 

@@ -6,6 +6,7 @@
 #include "line_slam/association.h"
 #include "line_slam/ekf.h"
 #include "line_slam/history.h"
+#include "line_slam/line_grid.h"
 #include "line_slam/map_lines.h"
 #include "line_slam/motion_model.h"
 #include "line_slam/place_recognition.h"
@@ -70,7 +71,10 @@ class LineEkfSlam {
     void augment_map(const Association& association, const std::vector<LineObservation>& observations,
                      std::vector<int>& tracks);
     void recognise_old_place();
-    std::optional<Recognition> search_old_place() const;
+    std::optional<Recognition> search_old_place();
+    std::vector<int> lines_since(double way_m) const;
+    void remember_place(int id, int place);
+    void put_on_grid(int id);
     void wake_neighbourhood();
     void drop_chance_lines();
     bool merge(const Recognition& recognition);
@@ -81,6 +85,10 @@ class LineEkfSlam {
     TentativeLines tentative_;
     History history_;
     LineSlamCounts counts_;
+    std::vector<int> awake_;                  ///< lines that a scan may be matched with, ascending
+    std::vector<int> young_;                  ///< lines that may still turn out to be chance
+    std::vector<std::vector<int>> lines_at_;  ///< by whole metres of the path: lines that were seen there
+    LineGrid grid_;
     double path_m_ = 0;
     double recognised_at_m_ = 0, woken_at_m_ = 0;  ///< path at the last attempt
     std::size_t last_pairings_ = 0;

@@ -1,9 +1,10 @@
 /// From an extracted segment (sensor frame) to the filter's observation (base frame), with the noise that
-/// real walls add.
+/// real walls add, and without the skew that the vehicle's motion during a sweep brings in.
 #pragma once
 
 #include "line_slam/planar_line.h"
 #include "lines/line_segment.h"
+#include "odometry/twist2.h"
 
 namespace loopline::line_slam {
 
@@ -12,5 +13,22 @@ namespace loopline::line_slam {
 /// the line by sqrt(2) sigma / length.
 LineObservation observation_in_base(const lines::LineSegment& segment, const Pose2& T_base_sensor,
                                     double sigma_wall_m);
+
+/// When a laser measures each beam of a sweep, after the scan's stamp.
+struct SweepTime {
+    double duration_s =
+        0;  ///< from the first beam, counter-clockwise, to the last; < 0: the last comes first
+    std::size_t beams = 0;
+
+    double after_stamp_s(std::size_t beam) const {
+        const double part = beams > 1 ? static_cast<double>(beam) / static_cast<double>(beams - 1) : 0;
+        return duration_s < 0 ? -duration_s * (1 - part) : duration_s * part;
+    }
+};
+
+/// The observation as if all beams had been measured at the scan's stamp, by a vehicle that moves with
+/// `velocity_base` (per second): each end is put where it was, and the line goes through both.
+void deskew(const lines::LineSegment& segment, const SweepTime& sweep, const Twist2& velocity_base,
+            LineObservation& z);
 
 }  // namespace loopline::line_slam

@@ -12,11 +12,11 @@ Eigen::Vector2d innovation(const PlanarLine& observed_base, const PlanarLine& pr
             wrap_to_pi(observed_base.alpha_rad - predicted_base.alpha_rad)};
 }
 
-ObservationJacobians observation_jacobians(const Pose2& T_map_base, const PlanarLine& line_map) {
-    const Eigen::Vector2d n = line_map.normal();
+ObservationJacobians observation_jacobians(const Pose2& T_map_base, const PlanarLine& line_map,
+                                           const Eigen::Vector2d& first_normal) {
     const double along_m = line_map.along_m(T_map_base.translation());
     ObservationJacobians H;
-    H.pose << -n.x(), -n.y(), along_m, 0, 0, -1;
+    H.pose << -first_normal.x(), -first_normal.y(), along_m, 0, 0, -1;
     H.line << 1, -along_m, 0, 1;
     return H;
 }

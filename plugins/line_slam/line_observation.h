@@ -4,9 +4,9 @@
 ///
 /// Errors of the pose are invariant ones: T_map_base = Exp(t, theta) T_map_base_estimated, that is
 /// p = p^ + t + theta (z x p^), phi = phi^ + theta. Then the motion leaves errors alone, and the
-/// observation's Jacobians to pose and line cancel for a motion of the whole map by construction, wherever
-/// they are evaluated, but for the direction of the normal: the filter gains no heading from its own
-/// linearisation.
+/// observation's Jacobians to pose and line cancel for a motion of the whole map, wherever they are
+/// evaluated, if the normal in them is the same every time that the line is seen: that of its first estimate.
+/// So the filter gains no heading from its own linearisation.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,9 @@ struct ObservationJacobians {
     Matrix23 pose;         ///< to (t_x, t_y, theta)
     Eigen::Matrix2d line;  ///< to (rho, alpha) of the map line
 };
-ObservationJacobians observation_jacobians(const Pose2& T_map_base, const PlanarLine& line_map);
+/// `first_normal`: of the line as it was first estimated.
+ObservationJacobians observation_jacobians(const Pose2& T_map_base, const PlanarLine& line_map,
+                                           const Eigen::Vector2d& first_normal);
 
 struct AugmentationJacobians {
     Matrix23 pose;                ///< of the new map line (rho, alpha) to (t_x, t_y, theta)

@@ -126,6 +126,11 @@ ParameterTable LineSlam::parameters() {
               "How far the ends of a wall lie off a straight line.")
         .real("gate_probability", gate_probability_, {0.5, 0.999999},
               "Share of true pairings that the association gate lets pass.")
+        .real("scan_duration_s", scan_duration_s_, {-10, 10},
+              "Time from a scan's first beam to its last, the first being the rightmost; negative if the "
+              "laser turns "
+              "clockwise. What the vehicle moves meanwhile is taken out of the lines; 0 takes a scan as one "
+              "instant.")
         .real("max_gap_m", slam_parameters_.association.max_gap_m, {0, 100},
               "Gap between the seen part of a map line and an observation, up to which it can be the same "
               "wall.")
@@ -240,15 +245,21 @@ void LineSlam::drain(Publisher& publisher) {
 std::vector<LineObservation> LineSlam::observations_in_base(const CObservationLines& lines) const {
     const Pose2 T_base_sensor{lines.sensor_pose.x(), lines.sensor_pose.y(), lines.sensor_pose.yaw()};
     std::vector<LineObservation> observations;
-    for (const lines::LineSegment& segment : lines.segments())
+    const SweepTime sweep{scan_duration_s_, lines.scan_beams};
+    for (const lines::LineSegment& segment : lines.segments()) {
         observations.push_back(observation_in_base(segment, T_base_sensor, slam_parameters_.sigma_wall_m));
+        if (scan_duration_s_ != 0) deskew(segment, sweep, velocity_base_, observations.back());
+    }
     return observations;
 }
 
 void LineSlam::estimate(Scan&& scan, Publisher& publisher) {
     if (!scan.T_odom_base) ++without_odometry_;
+    const Pose2 T_odom_previous = T_odom_base_;
     T_odom_base_ = scan.T_odom_base.value_or(T_odom_base_);
     const double duration_s = places_.empty() ? 0 : seconds_between(places_.back().stamp_ns, scan.stamp_ns);
+    velocity_base_ =
+        duration_s > 0 ? log_se2(T_odom_previous.inverse() * T_odom_base_) * (1 / duration_s) : Twist2{};
     const bool due = interval_->add({T_odom_base_, duration_s, scan.commanded});
     places_.push_back({scan.sequence, scan.stamp_ns, interval_->T_step_base(), false});
     if (due)
@@ -349,13 +360,13 @@ void LineSlam::finish(Results& results) {
     }
     if (map.empty()) {
         const Ekf& filter = slam_->filter();
+        const std::vector<Eigen::Matrix2d> covariances = filter.line_covariances();
         for (int id = 0; id < filter.line_ids(); ++id) {
             if (!filter.exists(id)) continue;
-            const MapLineRecord& record = slam_->records()[static_cast<std::size_t>(id)];
-            const Eigen::Matrix2d covariance =
-                filter.is_active(id) ? filter.line_covariance(id) : Eigen::Matrix2d(Eigen::Matrix2d::Zero());
+            const auto i = static_cast<std::size_t>(id);
+            const MapLineRecord& record = slam_->records()[i];
             map.push_back(
-                map_line(filter.line(id), covariance, record.extent, record.observations, map.size()));
+                map_line(filter.line(id), covariances[i], record.extent, record.observations, map.size()));
         }
     }
     metrics["lines_in_map"] = static_cast<std::int64_t>(map.size());

@@ -9,6 +9,7 @@
 #include "line_slam/line_ekf_slam.h"
 #include "line_slam/smoother.h"
 #include "line_slam/wide_interval.h"
+#include "odometry/twist2.h"
 
 namespace loopline {
 
@@ -76,6 +77,7 @@ class LineSlam : public Module {
     line_slam::SmootherParameters smoother_parameters_;
     double gate_probability_ = 0.999;
     bool smoothing_ = true;
+    double scan_duration_s_ = 0;
 
     // The state: all that a break between two scans must keep.
     std::unique_ptr<line_slam::LineEkfSlam> slam_;
@@ -84,6 +86,7 @@ class LineSlam : public Module {
     std::uint64_t newest_lines_ = 0;  ///< highest sequence that brought lines
     std::optional<Scan> since_step_;  ///< the latest scan that was no step
     Pose2 T_odom_base_;               ///< at the latest scan
+    Twist2 velocity_base_;            ///< there, per second
     std::optional<line_slam::Regime> commanded_;
     std::vector<ScanPlace> places_;
     std::vector<StepPose> steps_;

@@ -27,6 +27,11 @@ void fields(Archive& archive, MapLineRecord& r) {
 }
 
 template <class Archive>
+void fields(Archive& archive, LineGrid& grid) {
+    archive(grid.cells_);
+}
+
+template <class Archive>
 void fields(Archive& archive, TentativeLine& t) {
     archive(t.latest, t.extent, t.drift, t.track, t.scans, t.last_scan);
 }
@@ -61,6 +66,7 @@ void fields(Archive& archive, LineSlamCounts& c) {
 template <class Archive>
 void fields(Archive& archive, LineEkfSlam& slam) {
     archive(slam.filter_, slam.records_, slam.tentative_, slam.history_, slam.counts_);
+    archive(slam.awake_, slam.young_, slam.lines_at_, slam.grid_);
     archive(slam.path_m_, slam.recognised_at_m_, slam.woken_at_m_, slam.last_pairings_, slam.scan_,
             slam.active_limit_);
 }
@@ -114,7 +120,8 @@ void fields(Archive& archive, LineSlam& module) {
     archive(since_step);
     if (Archive::reading && since_step) m.since_step_.emplace();
     if (since_step) scan(archive, *m.since_step_);
-    archive(m.T_odom_base_, m.commanded_);
+    archive(m.T_odom_base_, m.velocity_base_.forward_m, m.velocity_base_.left_m, m.velocity_base_.turn_rad);
+    archive(m.commanded_);
     archive.each(m.places_, [](auto& a, auto& p) { a(p.sequence, p.stamp_ns, p.T_step_base, p.is_step); });
     archive.each(m.steps_, [](auto& a, auto& step) { a(step.T_map_base, step.covariance); });
     archive(m.status_, m.without_odometry_);

@@ -98,7 +98,7 @@ TEST_F(LineSlamModels, observation_jacobians_agree_with_central_differences) {
     for (int i = 0; i < 100; ++i) {
         const Pose2 T = pose();
         const PlanarLine l = line();
-        const ObservationJacobians H = observation_jacobians(T, l);
+        const ObservationJacobians H = observation_jacobians(T, l, l.normal());
         for (int k = 0; k < 5; ++k) {
             const auto at = [&](double s) {
                 Eigen::Matrix<double, 5, 1> d = Eigen::Matrix<double, 5, 1>::Zero();
@@ -121,7 +121,7 @@ TEST_F(LineSlamModels, foot_points_jacobians_and_noise_agree_with_central_differ
         z.line = predicted_line(T, {l.rho_m + 0.02, l.alpha_rad + 0.01});
         Eigen::Matrix2d R;
         R << 4e-4, 1e-4, 1e-4, 9e-4;
-        const FeaturePrediction f = predict_feature(Feature::foot_point, T, l, z, R);
+        const FeaturePrediction f = predict_feature(Feature::foot_point, T, l, l.normal(), z, R);
         if (f.noise(0, 0) > 1e6 || std::abs(l.rho_m) < 0.5) continue;
         // Where the map line's foot point is predicted: the measurement stays as it was.
         const Eigen::Vector2d o = T.inverse() * Eigen::Vector2d(0, 0);
@@ -178,9 +178,11 @@ TEST_F(LineSlamModels, augmentation_jacobians_agree_with_central_differences) {
 
 TEST_F(LineSlamModels, moving_the_whole_map_is_never_observed) {
     for (int i = 0; i < 100; ++i) {
-        const ObservationJacobians H = observation_jacobians(pose(), line());
-        // Turn about the origin: theta of the pose and alpha of the line; no estimate enters.
-        EXPECT_LT((H.pose.col(2) + H.line.col(1)).norm(), 1e-12);
+        // A line is first seen from one pose, and again, when its estimate is another, from another one.
+        const PlanarLine first = line(), later{first.rho_m + 0.3, first.alpha_rad + 0.2};
+        const AugmentationJacobians G = augmentation_jacobians(pose(), first);
+        const ObservationJacobians H = observation_jacobians(pose(), later, first.normal());
+        EXPECT_LT((H.pose + H.line * G.pose).norm(), 1e-12);
     }
 }
 
@@ -236,6 +238,44 @@ TEST_F(LineSlamModels, covariance_in_the_base_frame_is_that_of_the_displaced_fit
     for (const Eigen::Vector2d& end : {z.start_m, z.end_m}) {
         const Eigen::Vector2d to_end(1, -z.line.along_m(end));  // offset of the end for (rho, alpha)
         EXPECT_NEAR(to_end.dot(wall * to_end), 0.01, 1e-6);
+    }
+}
+
+TEST_F(LineSlamModels, deskewing_gives_the_line_that_a_vehicle_at_rest_would_see) {
+    std::uniform_real_distribution<double> any(-1, 1);
+    for (const double duration_s : {0.05, -0.05}) {
+        const SweepTime sweep{duration_s, 181};
+        EXPECT_EQ(sweep.after_stamp_s(duration_s > 0 ? 0 : 180), 0);
+        EXPECT_DOUBLE_EQ(sweep.after_stamp_s(duration_s > 0 ? 180 : 0), 0.05);
+        for (int i = 0; i < 20; ++i) {
+            const Twist2 velocity{2 * any(random), 0.1 * any(random), any(random)};
+            const Pose2 T_base_sensor{0.4, 0.1, 0.2};
+            const PlanarLine wall_base{3, 0.5 * any(random)};  // at the stamp
+            // Every beam measures from where the vehicle is at its time.
+            std::vector<Eigen::Vector2d> points_sensor;
+            lines::LineSegment s;
+            for (std::size_t beam = 60; beam <= 120; ++beam) {
+                const double a = (static_cast<double>(beam) - 90) * M_PI / 180;
+                const Pose2 T_base_now = exp_se2(velocity * sweep.after_stamp_s(beam)) * T_base_sensor;
+                const PlanarLine seen = predicted_line(T_base_now, wall_base);
+                const double range_m = seen.rho_m / std::cos(a - seen.alpha_rad);
+                points_sensor.emplace_back(range_m * std::cos(a), range_m * std::sin(a));
+            }
+            s.first_beam = 60;
+            s.last_beam = 120;
+            s.start_m = points_sensor.front();
+            s.end_m = points_sensor.back();
+            const Eigen::Vector2d t = (s.end_m - s.start_m).normalized(), n(t.y(), -t.x());
+            s.alpha_rad = std::atan2(n.y(), n.x());
+            s.rho_m = n.dot(s.start_m);
+            LineObservation z = observation_in_base(s, T_base_sensor, 0);
+            const Eigen::Vector2d skewed = innovation(z.line, wall_base);
+            deskew(s, sweep, velocity, z);
+            const Eigen::Vector2d left = innovation(z.line, wall_base);
+            EXPECT_LT(left.norm(), 1e-9);
+            EXPECT_LT(left.norm(), 1e-3 * skewed.norm());
+            EXPECT_NEAR(z.line.normal().dot(z.start_m), z.line.rho_m, 1e-9);
+        }
     }
 }
 
