@@ -24,28 +24,50 @@ Ekf::Ekf(const EkfParameters& parameters) : parameters_(parameters) {
 }
 
 Eigen::Matrix3d Ekf::pose_covariance() const {
-    const Eigen::Matrix3d A = coordinates_from_error(T_map_base_);
-    return A * pose_error_covariance() * A.transpose();
+    const Eigen::Matrix3d A = coordinates_from_error(pose_here());
+    return A * P().topLeftCorner<3, 3>() * A.transpose();
 }
 
 Eigen::Matrix2d Ekf::line_covariance(int id) const {
     assert(is_active(id));
-    return P().block<2, 2>(row(id), row(id));
+    return about_map_origin(id, origin_m(), P().block<2, 2>(row(id), row(id)));
+}
+
+Eigen::Matrix2d Ekf::about_map_origin(int id, const Eigen::Vector2d& origin_m,
+                                      const Eigen::Matrix2d& covariance) const {
+    Eigen::Matrix2d A;
+    A << 1, turned_left(first_normal(id)).dot(origin_m), 0, 1;
+    return A * covariance * A.transpose();
+}
+
+Eigen::Matrix3d Ekf::motion_error_covariance() const {
+    Eigen::Matrix3d A = Eigen::Matrix3d::Identity();
+    A.topRightCorner<2, 1>() = -turned_left(origin_m());
+    return A * motion_error_covariance_ * A.transpose();
+}
+
+/// The paper's foot point is one from the map's own origin.
+void Ekf::move_origin_here() {
+    constexpr double near_m = 2;
+    const Eigen::Vector2d here_m = T_map_base_.translation();
+    if (parameters_.feature == Feature::foot_point || (here_m - origin_m()).norm() < near_m) return;
+    local().move_origin(here_m, [this](int id) { return turned_left(first_normal(id)); });
 }
 
 Eigen::Matrix2d Ekf::predicted_covariance(int id_i, int id_j) const {
     assert(is_active(id_i) && is_active(id_j));
     const Eigen::Index i = row(id_i), j = row(id_j);
     const ObservationJacobians H_i =
-        feature_jacobians(parameters_.feature, T_map_base_, line(id_i), first_normal(id_i));
+        feature_jacobians(parameters_.feature, pose_here(), line_here(id_i), first_normal(id_i));
     const ObservationJacobians H_j =
-        feature_jacobians(parameters_.feature, T_map_base_, line(id_j), first_normal(id_j));
+        feature_jacobians(parameters_.feature, pose_here(), line_here(id_j), first_normal(id_j));
     const Matrix23 with_pose = H_i.pose * P().topLeftCorner<3, 3>() + H_i.line * P().block<2, 3>(i, 0);
     const Eigen::Matrix2d with_line = H_i.pose * P().block<3, 2>(0, j) + H_i.line * P().block<2, 2>(i, j);
     return with_pose * H_j.pose.transpose() + with_line * H_j.line.transpose();
 }
 
 void Ekf::predict(const std::vector<MotionPiece>& motion) {
+    move_origin_here();
     motion_error_noise_.setZero();
     motion_error_covariance_.setZero();
     for (const MotionPiece& piece : motion) predict_piece(piece);
@@ -60,7 +82,7 @@ void Ekf::predict_piece(const MotionPiece& piece) {
     // left.
     Eigen::Matrix3d from_coordinates = Eigen::Matrix3d::Identity();
     from_coordinates.topRightCorner<2, 1>() = -turned_left(T_old_new.translation());
-    const Eigen::Matrix3d to_error = adjoint(T_map_base_) * from_coordinates;
+    const Eigen::Matrix3d to_error = adjoint(pose_here()) * from_coordinates;
     const Eigen::Matrix3d& Q = piece.covariance;
     // Only a turn that stands out of its noise tells of the track width; noise taken for a turn would teach a
     // wrong one.
@@ -94,7 +116,7 @@ bool Ekf::update(const std::vector<Pairing>& pairings, const std::vector<LineObs
     for (std::size_t k = 0; k < pairings.size(); ++k) {
         const Eigen::Index at = 2 * static_cast<Eigen::Index>(k), r = row(pairings[k].line);
         const LineObservation& z = observations[static_cast<std::size_t>(pairings[k].observation)];
-        f.push_back(predict_feature(parameters_.feature, T_map_base_, line(pairings[k].line),
+        f.push_back(predict_feature(parameters_.feature, pose_here(), line_here(pairings[k].line),
                                     first_normal(pairings[k].line), z, z.covariance + z.surplus));
         const ObservationJacobians& H = f[k].H;
         PHt.middleCols<2>(at) =
@@ -125,9 +147,11 @@ bool Ekf::apply(const Eigen::MatrixXd& PHt, const Eigen::MatrixXd& H_phi, const 
     const Eigen::VectorXd dx = W * whitened;
     if (!dx.allFinite()) return false;
 
-    T_map_base_ = corrected(T_map_base_, dx.head<3>());
+    const Pose2 corrected_here = corrected(pose_here(), dx.head<3>());
+    T_map_base_ = {corrected_here.x_m + origin_m().x(), corrected_here.y_m + origin_m().y(),
+                   corrected_here.phi_rad};
     calibration_ = {calibration_.left + dx(3), calibration_.right + dx(4), calibration_.track + dx(5)};
-    for (const int id : active_lines()) add_to_line(id, dx(row(id)), dx(row(id) + 1));
+    for (const int id : active_lines()) add_to_line(id, origin_m(), dx(row(id)), dx(row(id) + 1));
     local().P.noalias() -= W * W.transpose();
     auto& [phi, psi, chi] = local().since_entered;
     const Eigen::MatrixXd Y = llt.matrixL().solve(H_phi);
@@ -137,15 +161,21 @@ bool Ekf::apply(const Eigen::MatrixXd& PHt, const Eigen::MatrixXd& H_phi, const 
     return true;
 }
 
-void Ekf::add_to_line(int id, double rho_m, double alpha_rad) {
+/// In terms of the line's distance from its own anchor, where what is of second order is small. The change of
+/// that is linear in the errors, whatever origin they are about, so that it does not matter when a line is
+/// told of it.
+void Ekf::add_to_line(int id, const Eigen::Vector2d& origin_m, double rho_m, double alpha_rad) {
     PlanarLine& l = lines_[static_cast<std::size_t>(id)];
-    l.rho_m += rho_m;
+    const Eigen::Vector2d& anchor_m = anchors_m_[static_cast<std::size_t>(id)];
+    const double lever_m = turned_left(first_normal(id)).dot(anchor_m - origin_m);
+    const double rho_at_anchor_m = l.rho_m - l.normal().dot(anchor_m) + rho_m - lever_m * alpha_rad;
     l.alpha_rad = wrap_to_pi(l.alpha_rad + alpha_rad);
+    l.rho_m = rho_at_anchor_m + l.normal().dot(anchor_m);
 }
 
 int Ekf::augment(const LineObservation& observation) {
     const PlanarLine l = transformed(T_map_base_, observation.line);
-    const AugmentationJacobians G = augmentation_jacobians(T_map_base_, l);
+    const AugmentationJacobians G = augmentation_jacobians(pose_here(), l);
     Eigen::MatrixXd &P = local().P, &phi = local().since_entered.phi;
     const Eigen::Index n = P.rows();
     const Eigen::MatrixXd with_rest = G.pose * P.topRows<3>();
@@ -163,6 +193,7 @@ int Ekf::augment(const LineObservation& observation) {
     lines_.push_back(l);
     lines_on_leaving_.push_back(l);
     first_normals_.push_back(l.normal());
+    anchors_m_.push_back(T_map_base_ * observation.middle_m());
     slots_.push_back({here(), static_cast<int>(active_lines().size())});
     local().lines.push_back(id);
     return id;
@@ -177,13 +208,14 @@ void Ekf::same_wall_innovation(const std::vector<SameWall>& walls, Eigen::Matrix
     for (Eigen::Index k = 0; k < m; k += 2) {
         const SameWall& w = walls[static_cast<std::size_t>(k / 2)];
         PHt.middleCols<2>(k) = P().middleCols<2>(row(w.kept)) - P().middleCols<2>(row(w.gone));
-        v.segment<2>(k) << line(w.gone).rho_m - line(w.kept).rho_m,
-            wrap_to_pi(line(w.gone).alpha_rad - line(w.kept).alpha_rad);
+        v.segment<2>(k) = innovation(line_here(w.gone), line_here(w.kept));
     }
     for (Eigen::Index k = 0; k < m; k += 2) {
         const SameWall& w = walls[static_cast<std::size_t>(k / 2)];
         S.middleRows<2>(k) = PHt.middleRows<2>(row(w.kept)) - PHt.middleRows<2>(row(w.gone));
-        S.block<2, 2>(k, k) += w.slack;
+        Eigen::Matrix2d to_here;
+        to_here << 1, -line(w.kept).along_m(origin_m()), 0, 1;
+        S.block<2, 2>(k, k) += to_here * w.slack * to_here.transpose();
     }
 }
 
@@ -280,12 +312,16 @@ void Ekf::send_on(int map, const std::vector<int>& ids) {
     std::vector<int> positions;
     for (const int id : ids) positions.push_back(slot(id).position);
     LocalMap& next = maps_[static_cast<std::size_t>(map) + 1];
-    const auto change = next.welcome(maps_[static_cast<std::size_t>(map)].send_on(positions));
+    LocalMap& home = maps_[static_cast<std::size_t>(map)];
+    LocalMap::Guests guests = home.send_on(positions);
+    for (const int id : ids)
+        guests.lever_m.push_back(turned_left(first_normal(id)).dot(next.origin_m - home.origin_m));
+    const auto change = next.welcome(guests);
     for (std::size_t k = 0; k < ids.size(); ++k) {
         const auto id = static_cast<std::size_t>(ids[k]);
         slots_[id].map = map + 1;
         lines_[id] = lines_on_leaving_[id];
-        add_to_line(ids[k], change(2 * static_cast<Eigen::Index>(k)),
+        add_to_line(ids[k], home.origin_m, change(2 * static_cast<Eigen::Index>(k)),
                     change(2 * static_cast<Eigen::Index>(k) + 1));
         lines_on_leaving_[id] = lines_[id];
     }
@@ -324,7 +360,7 @@ void Ekf::refresh_passive_lines() {
         for (const int id : at_home(map)) {
             const Eigen::Vector2d change = m.P(kept, Eigen::seqN(row(id), 2)).transpose() * chi;
             lines_[static_cast<std::size_t>(id)] = lines_on_leaving_[static_cast<std::size_t>(id)];
-            add_to_line(id, change(0), change(1));
+            add_to_line(id, m.origin_m, change(0), change(1));
         }
         chi = m.since_entered.chi + m.since_entered.phi(kept, Eigen::all).transpose() * chi;
     }
@@ -339,8 +375,8 @@ std::vector<Eigen::Matrix2d> Ekf::line_covariances() const {
         const auto kept = LocalMap::rows_of(m.kept);
         for (const int id : at_home(map)) {
             const Eigen::MatrixXd with_kept = m.P(kept, Eigen::seqN(row(id), 2));
-            covariances[static_cast<std::size_t>(id)] =
-                m.P.block<2, 2>(row(id), row(id)) - with_kept.transpose() * psi * with_kept;
+            covariances[static_cast<std::size_t>(id)] = about_map_origin(
+                id, m.origin_m, m.P.block<2, 2>(row(id), row(id)) - with_kept.transpose() * psi * with_kept);
         }
         const Eigen::MatrixXd phi_kept = m.since_entered.phi(kept, Eigen::all);
         psi = (m.since_entered.psi + phi_kept.transpose() * psi * phi_kept).eval();

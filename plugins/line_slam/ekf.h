@@ -53,15 +53,13 @@ class Ekf {
 
     /// Covariance of the pose's (x, y, phi).
     Eigen::Matrix3d pose_covariance() const;
-    /// Covariance of the pose's invariant error (t_x, t_y, theta).
-    Eigen::Matrix3d pose_error_covariance() const { return P().topLeftCorner<3, 3>(); }
     /// Covariance of an active line's (rho, alpha).
     Eigen::Matrix2d line_covariance(int id) const;
     /// H_i P H_j^T of two active lines' observations, eq. (12) without R.
     Eigen::Matrix2d predicted_covariance(int id_i, int id_j) const;
     /// v of eq. (13), and its R, of one sighting by itself.
     FeaturePrediction prediction(int id, const LineObservation& observation) const {
-        return predict_feature(parameters_.feature, T_map_base_, line(id), first_normal(id), observation,
+        return predict_feature(parameters_.feature, pose_here(), line_here(id), first_normal(id), observation,
                                observation.covariance);
     }
 
@@ -72,8 +70,8 @@ class Ekf {
         predict({MotionPiece{travel, travel_covariance(travel, parameters_.drive)}});
     }
 
-    /// What the last motion added to the pose's error: noise and calibration.
-    const Eigen::Matrix3d& motion_error_covariance() const { return motion_error_covariance_; }
+    /// What the last motion added to the pose's error about the map's origin: noise and calibration.
+    Eigen::Matrix3d motion_error_covariance() const;
     /// Adds `factor` times the last motion's noise once more; negative takes it back, before any update.
     void doubt_motion(double factor);
 
@@ -114,6 +112,18 @@ class Ekf {
     template <class Archive>
     friend void fields(Archive&, Ekf&);
     void predict_piece(const MotionPiece& piece);
+    void move_origin_here();
+    /// Pose and line about the origin of the active local map, as all errors are.
+    const Eigen::Vector2d& origin_m() const { return maps_.back().origin_m; }
+    Pose2 pose_here() const {
+        return {T_map_base_.x_m - origin_m().x(), T_map_base_.y_m - origin_m().y(), T_map_base_.phi_rad};
+    }
+    PlanarLine line_here(int id) const {
+        return {line(id).rho_m - line(id).normal().dot(origin_m()), line(id).alpha_rad};
+    }
+    /// A covariance of (rho, alpha) about `origin_m`, about the map's origin.
+    Eigen::Matrix2d about_map_origin(int id, const Eigen::Vector2d& origin_m,
+                                     const Eigen::Matrix2d& covariance) const;
 
     static constexpr Eigen::Index head = LocalMap::head;
     static constexpr int nowhere = -1;
@@ -136,7 +146,8 @@ class Ekf {
                const Eigen::VectorXd& v);
     const Eigen::Vector2d& first_normal(int id) const { return first_normals_[static_cast<std::size_t>(id)]; }
     void turn_first_normal(int id, const Eigen::Vector2d& normal);
-    void add_to_line(int id, double rho_m, double alpha_rad);
+    /// A change of (rho, alpha) about `origin_m`.
+    void add_to_line(int id, const Eigen::Vector2d& origin_m, double rho_m, double alpha_rad);
     /// Lines that are at home in `map` move on to the next one.
     void send_on(int map, const std::vector<int>& ids);
     std::vector<int> at_home(int map) const;
@@ -151,8 +162,10 @@ class Ekf {
     std::vector<PlanarLine> lines_;               ///< by id
     std::vector<PlanarLine> lines_on_leaving_;    ///< by id: as the line was when its home was left
     std::vector<Eigen::Vector2d> first_normals_;  ///< by id: for all Jacobians, see line_observation.h
-    std::vector<Slot> slots_;                     ///< by id
-    std::vector<LocalMap> maps_;                  ///< the last is the active one
+    std::vector<Eigen::Vector2d>
+        anchors_m_;               ///< by id: a place on the line where it was first seen, map frame
+    std::vector<Slot> slots_;     ///< by id
+    std::vector<LocalMap> maps_;  ///< the last is the active one
 
     Eigen::Matrix3d motion_error_noise_ = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d motion_error_covariance_ = Eigen::Matrix3d::Zero();

@@ -23,12 +23,13 @@ void fields(Archive& archive, Compression& c) {
 
 template <class Archive>
 void fields(Archive& archive, LocalMap& map) {
-    archive(map.lines, map.P, map.since_entered, map.kept);
+    archive(map.lines, map.origin_m, map.P, map.since_entered, map.kept);
 }
 
 template <class Archive>
 void fields(Archive& archive, Ekf& ekf) {
-    archive(ekf.T_map_base_, ekf.calibration_, ekf.lines_, ekf.lines_on_leaving_, ekf.first_normals_);
+    archive(ekf.T_map_base_, ekf.calibration_, ekf.lines_, ekf.lines_on_leaving_, ekf.first_normals_,
+            ekf.anchors_m_);
     archive.each(ekf.slots_, [](auto& a, auto& slot) { a(slot.map, slot.position); });
     archive(ekf.maps_, ekf.motion_error_noise_, ekf.motion_error_covariance_);
 }

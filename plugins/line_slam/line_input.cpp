@@ -25,17 +25,21 @@ LineObservation observation_in_base(const lines::LineSegment& segment, const Pos
     return z;
 }
 
-void deskew(const lines::LineSegment& segment, const SweepTime& sweep, const Twist2& velocity_base,
+void deskew(const lines::LineSegment& segment, const SweepTime& sweep, const SweepMotion& motion,
             LineObservation& z) {
-    const Eigen::Vector2d start_m =
-        exp_se2(velocity_base * sweep.after_stamp_s(segment.first_beam)) * z.start_m;
-    const Eigen::Vector2d end_m = exp_se2(velocity_base * sweep.after_stamp_s(segment.last_beam)) * z.end_m;
+    const double start_s = sweep.after_stamp_s(segment.first_beam),
+                 end_s = sweep.after_stamp_s(segment.last_beam);
+    const Eigen::Vector2d start_m = exp_se2(motion.velocity_base * start_s) * z.start_m;
+    const Eigen::Vector2d end_m = exp_se2(motion.velocity_base * end_s) * z.end_m;
     const Eigen::Vector2d before = z.end_m - z.start_m, after = end_m - start_m;
     const double turn_rad = std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after));
     z.line.alpha_rad = wrap_to_pi(z.line.alpha_rad + turn_rad);
     z.line.rho_m = z.line.normal().dot(0.5 * (start_m + end_m));
     z.start_m = start_m;
     z.end_m = end_m;
+    Eigen::Matrix<double, 2, 3> from_motion;
+    from_motion << z.line.normal().transpose(), 0, 0, 0, 1;
+    z.covariance += from_motion * (0.5 * (start_s + end_s) * motion.noise_per_s) * from_motion.transpose();
 }
 
 }  // namespace loopline::line_slam

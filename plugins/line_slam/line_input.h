@@ -26,9 +26,15 @@ struct SweepTime {
     }
 };
 
-/// The observation as if all beams had been measured at the scan's stamp, by a vehicle that moves with
-/// `velocity_base` (per second): each end is put where it was, and the line goes through both.
-void deskew(const lines::LineSegment& segment, const SweepTime& sweep, const Twist2& velocity_base,
+/// How a vehicle moves during a sweep.
+struct SweepMotion {
+    Twist2 velocity_base;                                   ///< per second
+    Eigen::Matrix3d noise_per_s = Eigen::Matrix3d::Zero();  ///< covariance of (x, y, phi) that a second adds
+};
+
+/// The observation as if all beams had been measured at the scan's stamp: each end is put where it was, and
+/// the line goes through both. What the vehicle's motion is not known to is noise of the observation.
+void deskew(const lines::LineSegment& segment, const SweepTime& sweep, const SweepMotion& motion,
             LineObservation& z);
 
 }  // namespace loopline::line_slam

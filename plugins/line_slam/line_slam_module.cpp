@@ -4,6 +4,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -246,11 +247,19 @@ std::vector<LineObservation> LineSlam::observations_in_base(const CObservationLi
     const Pose2 T_base_sensor{lines.sensor_pose.x(), lines.sensor_pose.y(), lines.sensor_pose.yaw()};
     std::vector<LineObservation> observations;
     const SweepTime sweep{scan_duration_s_, lines.scan_beams};
+    const SweepMotion motion = sweep_motion();
     for (const lines::LineSegment& segment : lines.segments()) {
         observations.push_back(observation_in_base(segment, T_base_sensor, slam_parameters_.sigma_wall_m));
-        if (scan_duration_s_ != 0) deskew(segment, sweep, velocity_base_, observations.back());
+        if (scan_duration_s_ != 0) deskew(segment, sweep, motion, observations.back());
     }
     return observations;
+}
+
+/// As the wheels measured it since the scan before.
+SweepMotion LineSlam::sweep_motion() const {
+    if (scan_duration_s_ == 0 || !(since_previous_s_ > 0)) return {};
+    return {log_se2(T_previous_base_) * (1 / since_previous_s_),
+            interval_->noise_on(T_previous_base_, interval_->regime()) / since_previous_s_};
 }
 
 void LineSlam::estimate(Scan&& scan, Publisher& publisher) {
@@ -258,10 +267,10 @@ void LineSlam::estimate(Scan&& scan, Publisher& publisher) {
     const Pose2 T_odom_previous = T_odom_base_;
     T_odom_base_ = scan.T_odom_base.value_or(T_odom_base_);
     const double duration_s = places_.empty() ? 0 : seconds_between(places_.back().stamp_ns, scan.stamp_ns);
-    velocity_base_ =
-        duration_s > 0 ? log_se2(T_odom_previous.inverse() * T_odom_base_) * (1 / duration_s) : Twist2{};
+    T_previous_base_ = T_odom_previous.inverse() * T_odom_base_;
+    since_previous_s_ = duration_s;
     const bool due = interval_->add({T_odom_base_, duration_s, scan.commanded});
-    places_.push_back({scan.sequence, scan.stamp_ns, interval_->T_step_base(), false});
+    places_.push_back({scan.sequence, scan.stamp_ns, interval_->T_step_base(), interval_->regime(), false});
     if (due)
         step(scan, publisher);
     else
@@ -281,24 +290,33 @@ void LineSlam::step(const Scan& scan, Publisher& publisher) {
     publisher.publish(published, scan.sequence);
 }
 
-/// As it was known at each time: by the filter at its steps, by the wheels since the last step between them,
-/// with the covariance of the step to come.
+/// As it was known at each time: by the filter at its steps, by the wheels since the last step between them.
 void LineSlam::lay_out_trajectory() {
-    Pose2 T_map_step;
+    StepPose step{Pose2{}, Eigen::Matrix3d::Zero()};
     std::size_t steps = 0;
     for (const ScanPlace& place : places_) {
-        const StepPose* next = steps < steps_.size() ? &steps_[steps] : nullptr;
         if (place.is_step) {
-            T_map_step = next->T_map_base;
-            ++steps;
+            step = steps_[steps++];
+            trajectory_.append(place.sequence, place.stamp_ns, Pose3(step.T_map_base),
+                               spatial_covariance(step.covariance));
+            continue;
         }
-        const Eigen::Matrix3d covariance = next             ? next->covariance
-                                           : steps_.empty() ? Eigen::Matrix3d::Zero()
-                                                            : steps_.back().covariance;
-        trajectory_.append(place.sequence, place.stamp_ns,
-                           Pose3(place.is_step ? T_map_step : T_map_step * place.T_step_base),
-                           spatial_covariance(covariance));
+        // The step's own error turns the way since then about it.
+        const Pose2 T_map_base = step.T_map_base * place.T_step_base;
+        Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
+        carried.topRightCorner<2, 1>() =
+            turned_left(T_map_base.translation() - step.T_map_base.translation());
+        trajectory_.append(place.sequence, place.stamp_ns, Pose3(T_map_base),
+                           spatial_covariance(carried * step.covariance * carried.transpose() +
+                                              noise_since_step(step.T_map_base, place)));
     }
+}
+
+/// What the wheels' noise adds to (x, y, phi) from a step to a scan after it.
+Eigen::Matrix3d LineSlam::noise_since_step(const Pose2& T_map_step, const ScanPlace& place) const {
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    turn.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(T_map_step.phi_rad).toRotationMatrix();
+    return turn * interval_->noise_on(place.T_step_base, place.regime) * turn.transpose();
 }
 
 /// Steps take the smoothed poses, scans between them what the wheels say, bent so that it leads from one step
@@ -319,10 +337,13 @@ void LineSlam::revise_between(std::size_t from, std::size_t to) {
     const auto& entries = trajectory_.entries();
     const Pose2 T_map_from = entries[from].T_map_base.planar(), T_map_to = entries[to].T_map_base.planar();
     const Twist2 bend = log_se2((T_map_from * places_[to].T_step_base).inverse() * T_map_to);
+    const Matrix6d noise = spatial_covariance(noise_since_step(T_map_from, places_[to]));
     for (std::size_t k = from + 1; k < to; ++k) {
         const double u = static_cast<double>(k - from) / static_cast<double>(to - from);
-        trajectory_.revise(k, Pose3(T_map_from * places_[k].T_step_base * exp_se2(bend * u)),
-                           (1 - u) * entries[from].covariance + u * entries[to].covariance);
+        // Between two known poses the wheels' noise is that of a bridge.
+        trajectory_.revise(
+            k, Pose3(T_map_from * places_[k].T_step_base * exp_se2(bend * u)),
+            (1 - u) * entries[from].covariance + u * entries[to].covariance + u * (1 - u) * noise);
     }
 }
 

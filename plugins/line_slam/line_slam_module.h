@@ -7,9 +7,9 @@
 
 #include "api/module.h"
 #include "line_slam/line_ekf_slam.h"
+#include "line_slam/line_input.h"
 #include "line_slam/smoother.h"
 #include "line_slam/wide_interval.h"
-#include "odometry/twist2.h"
 
 namespace loopline {
 
@@ -53,6 +53,7 @@ class LineSlam : public Module {
         std::uint64_t sequence;
         StampNs stamp_ns;
         Pose2 T_step_base;  ///< by the wheels, since the last step before it
+        line_slam::Regime regime;
         bool is_step = false;
     };
     /// What a step knew at its time.
@@ -66,10 +67,12 @@ class LineSlam : public Module {
     Scan& waiting_scan(const StreamItem& item, Part part);
     void take_command(const std::string& text);
     std::vector<line_slam::LineObservation> observations_in_base(const CObservationLines& lines) const;
+    line_slam::SweepMotion sweep_motion() const;
     void estimate(Scan&& scan, Publisher& publisher);
     void step(const Scan& scan, Publisher& publisher);
     void lay_out_trajectory();
     void revise_trajectory(const line_slam::SmoothedPath& smoothed);
+    Eigen::Matrix3d noise_since_step(const Pose2& T_map_step, const ScanPlace& place) const;
     void revise_between(std::size_t from, std::size_t to);
 
     line_slam::LineSlamParameters slam_parameters_;
@@ -86,7 +89,8 @@ class LineSlam : public Module {
     std::uint64_t newest_lines_ = 0;  ///< highest sequence that brought lines
     std::optional<Scan> since_step_;  ///< the latest scan that was no step
     Pose2 T_odom_base_;               ///< at the latest scan
-    Twist2 velocity_base_;            ///< there, per second
+    Pose2 T_previous_base_;           ///< from the scan before to the latest, by the wheels
+    double since_previous_s_ = 0;
     std::optional<line_slam::Regime> commanded_;
     std::vector<ScanPlace> places_;
     std::vector<StepPose> steps_;

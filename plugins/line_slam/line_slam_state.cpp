@@ -120,9 +120,10 @@ void fields(Archive& archive, LineSlam& module) {
     archive(since_step);
     if (Archive::reading && since_step) m.since_step_.emplace();
     if (since_step) scan(archive, *m.since_step_);
-    archive(m.T_odom_base_, m.velocity_base_.forward_m, m.velocity_base_.left_m, m.velocity_base_.turn_rad);
+    archive(m.T_odom_base_, m.T_previous_base_, m.since_previous_s_);
     archive(m.commanded_);
-    archive.each(m.places_, [](auto& a, auto& p) { a(p.sequence, p.stamp_ns, p.T_step_base, p.is_step); });
+    archive.each(m.places_,
+                 [](auto& a, auto& p) { a(p.sequence, p.stamp_ns, p.T_step_base, p.regime, p.is_step); });
     archive.each(m.steps_, [](auto& a, auto& step) { a(step.T_map_base, step.covariance); });
     archive(m.status_, m.without_odometry_);
 }

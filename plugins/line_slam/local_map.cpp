@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace loopline::line_slam {
 namespace {
@@ -42,6 +43,7 @@ std::vector<Eigen::Index> LocalMap::rows_of(const std::vector<int>& positions) {
 LocalMap LocalMap::leave(const std::vector<int>& positions) {
     kept = positions;
     LocalMap next;
+    next.origin_m = origin_m;
     for (const int p : positions) next.lines.push_back(lines[static_cast<std::size_t>(p)]);
     const auto rows = rows_of(positions);
     next.P = P(rows, rows);
@@ -82,7 +84,28 @@ Eigen::VectorXd LocalMap::welcome(const Guests& guests) {
     chi.conservativeResize(n0 + g);
     chi.tail(g).setZero();
     lines.insert(lines.end(), guests.ids.begin(), guests.ids.end());
+    for (std::size_t k = 0; k < guests.ids.size(); ++k)
+        shift_line(static_cast<int>(lines.size() - guests.ids.size() + k), guests.lever_m[k]);
     return change;
+}
+
+/// p = p^ + t + theta z x (p^ - origin): t' = t + theta z x (origin' - origin).
+void LocalMap::turn_head(const Eigen::Vector2d& way_m) {
+    Eigen::MatrixXd& phi = since_entered.phi;
+    for (const auto& [row, factor] : {std::pair{0, -way_m.y()}, std::pair{1, way_m.x()}}) {
+        P.row(row) += factor * P.row(2);
+        P.col(row) += factor * P.col(2);
+        phi.row(row) += factor * phi.row(2);
+    }
+}
+
+/// rho' = rho - n . way: drho' = drho - dalpha tangent . way.
+void LocalMap::shift_line(int position, double lever_m) {
+    Eigen::MatrixXd& phi = since_entered.phi;
+    const Eigen::Index r = row(position);
+    P.row(r) -= lever_m * P.row(r + 1);
+    P.col(r) -= lever_m * P.col(r + 1);
+    phi.row(r) -= lever_m * phi.row(r + 1);
 }
 
 void LocalMap::remove(int position) {

@@ -33,7 +33,11 @@ struct LocalMap {
     static constexpr Eigen::Index head = 6;  ///< rows of the pose and of the wheel calibration
 
     std::vector<int> lines;  ///< ids, in the order of the rows after the head
-    Eigen::MatrixXd P;       ///< of head and lines, now or when the map was left
+    /// Map frame: about which errors are turned and rho is measured. Near the vehicle, so that what is of
+    /// second order stays small: a heading that is corrected by 2 degrees moves what is 400 m from the origin
+    /// by 0.3 m.
+    Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();
+    Eigen::MatrixXd P;  ///< of head and lines, now or when the map was left
     Compression since_entered;
     std::vector<int> kept;  ///< positions in `lines` that the next map began with, in its order
 
@@ -48,17 +52,34 @@ struct LocalMap {
     /// other then.
     struct Guests {
         std::vector<int> ids;
-        Eigen::MatrixXd with_y0;  ///< y0 by guests
-        Eigen::MatrixXd P;        ///< of the guests
+        std::vector<double> lever_m;  ///< way from the old origin to the new one along each guest
+        Eigen::MatrixXd with_y0;      ///< y0 by guests
+        Eigen::MatrixXd P;            ///< of the guests
     };
     /// Adds them, as if they had been there from the beginning. Returns what happened to their values
     /// meanwhile: (rho, alpha) of each.
     Eigen::VectorXd welcome(const Guests& guests);
-    /// The lines at `positions` as guests of the next map, to which they are `kept` from now on.
+    /// The lines at `positions` as guests of the next map, to which they are `kept` from now on; levers are
+    /// left empty.
     Guests send_on(const std::vector<int>& positions);
+
+    /// Writes the errors anew, about another origin. `tangent`: of a line by its id, as it was first
+    /// estimated.
+    template <class Tangent>
+    void move_origin(const Eigen::Vector2d& new_origin_m, const Tangent& tangent) {
+        const Eigen::Vector2d way_m = new_origin_m - origin_m;
+        origin_m = new_origin_m;
+        turn_head(way_m);
+        for (std::size_t k = 0; k < lines.size(); ++k)
+            shift_line(static_cast<int>(k), tangent(lines[k]).dot(way_m));
+    }
 
     /// Without the line at `position`, which nobody kept.
     void remove(int position);
+
+ private:
+    void turn_head(const Eigen::Vector2d& way_m);
+    void shift_line(int position, double lever_m);
 };
 
 /// The chain's two maps `first` and `second`, of which the first has no line that the second lacks, as one:

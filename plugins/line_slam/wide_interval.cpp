@@ -57,6 +57,15 @@ MotionPiece WideInterval::piece(Regime regime, WheelTravel travel) const {
     return p;
 }
 
+Eigen::Matrix3d WideInterval::noise_on(const Pose2& motion, Regime regime) const {
+    const WheelTravel travel = wheel_travel(motion, drive_.track_width_m);
+    const RegimeParameters& r = parameters_.regimes[static_cast<std::size_t>(regime)];
+    DriveParameters moving = drive_;
+    moving.sigma_rest_m = 0;
+    const Eigen::Matrix3d J = motion_jacobians(travel, drive_.track_width_m).travel;
+    return J * travel_covariance(travel, moving, r.sigma_left_m, r.sigma_right_m) * J.transpose();
+}
+
 std::vector<MotionPiece> WideInterval::pieces() const {
     const bool measured = parameters_.control == IntervalParameters::Control::measured;
     const auto commanded = [&](Regime regime) {

@@ -48,6 +48,11 @@ class WideInterval {
     /// there were regimes, eq. (7)-(10).
     std::vector<MotionPiece> pieces() const;
 
+    Regime regime() const { return regime_; }
+    /// Covariance of (x, y, phi) that the wheels' noise adds on the way `motion`, without that of a vehicle
+    /// at rest.
+    Eigen::Matrix3d noise_on(const Pose2& motion, Regime regime) const;
+
     /// By the wheels alone.
     const Pose2& T_step_base() const { return T_step_base_; }
     bool empty() const { return scans_ == 0; }

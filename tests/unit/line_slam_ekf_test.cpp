@@ -162,7 +162,7 @@ TEST(LineSlamEkf, chain_of_local_maps_equals_the_full_filter_on_a_long_and_windi
             id_of_wall[w] = -1;
         }
         if (step % 90 == 70 && near.size() > 1) {
-            const Ekf::SameWall same{near[0], near[1], 100.0 * Eigen::Matrix2d::Identity()};
+            const Ekf::SameWall same{near[0], near[1], 1e4 * Eigen::Matrix2d::Identity()};
             ASSERT_TRUE(full.merge({same}));
             ASSERT_TRUE(chain.merge({same}));
             std::replace(id_of_wall.begin(), id_of_wall.end(), near[1], -1);
@@ -184,7 +184,8 @@ TEST(LineSlamEkf, chain_of_local_maps_equals_the_full_filter_on_a_long_and_windi
     }
     chain.activate(all);
     EXPECT_EQ(chain.local_maps(), 1u);
-    EXPECT_LT((full.T_map_base().translation() - chain.T_map_base().translation()).norm(), 1e-9);
+    // What rounding leaves of 400 updates.
+    EXPECT_LT((full.T_map_base().translation() - chain.T_map_base().translation()).norm(), 1e-8);
     for (const int i : all)
         for (const int j : all)
             ASSERT_LT((full.predicted_covariance(i, j) - chain.predicted_covariance(i, j)).norm(), 1e-9);
@@ -219,6 +220,43 @@ TEST(LineSlamEkf, new_lines_tell_nothing_of_the_old_frame) {
         ASSERT_TRUE(filter.update(pairings, z));
     }
     EXPECT_GT(std::sqrt(filter.pose_covariance()(2, 2)), 0.98 * before);
+}
+
+/// The same way, begun at the map's origin and 400 m from it: large corrections of the heading give the same.
+TEST(LineSlamEkf, the_place_on_the_map_does_not_matter) {
+    DriveParameters drive;
+    drive.sigma_wheel_m = 1e-12;  // no error on the way there
+    drive.sigma_side_m = drive.sigma_rest_m = drive.sigma_scale = 1e-12;
+    Ekf near(drive), far(drive);
+    far.predict(wheel_travel({400, 0, 0}, drive.track_width_m));
+    const Pose2 T_far_near = far.T_map_base();
+    Drive d;
+    d.T_world_base = {0, 0, 0};
+    const Eigen::Matrix3d Q = Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal();
+    for (int step = 0; step < 60; ++step) {
+        const WheelTravel travel = d.go();
+        near.predict({{travel, Q}});
+        far.predict({{travel, Q}});
+        std::vector<LineObservation> z;
+        std::vector<Pairing> pairings;
+        for (std::size_t w = 0; w < 8; ++w) {
+            if ((w < 4) != (step % 30 < 15))
+                continue;  // half of them, then the others: corrections are large
+            z.push_back(d.see(w));
+            if (step == 0 || step == 15) {
+                ASSERT_EQ(near.augment(z.back()), far.augment(z.back()));
+                continue;
+            }
+            pairings.push_back({static_cast<int>(w), static_cast<int>(z.size()) - 1});
+        }
+        ASSERT_TRUE(near.update(pairings, z));
+        ASSERT_TRUE(far.update(pairings, z));
+        const Pose2 apart = (T_far_near * near.T_map_base()).inverse() * far.T_map_base();
+        ASSERT_LT(apart.translation().norm(), 1e-6);
+        ASSERT_LT(std::abs(apart.phi_rad), 1e-7);
+        ASSERT_LT((near.pose_covariance() - far.pose_covariance()).norm(),
+                  1e-5 * near.pose_covariance().norm());
+    }
 }
 
 TEST(LineSlamEkf, the_papers_sum_of_gains_is_over_confident) {

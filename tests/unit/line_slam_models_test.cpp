@@ -270,7 +270,7 @@ TEST_F(LineSlamModels, deskewing_gives_the_line_that_a_vehicle_at_rest_would_see
             s.rho_m = n.dot(s.start_m);
             LineObservation z = observation_in_base(s, T_base_sensor, 0);
             const Eigen::Vector2d skewed = innovation(z.line, wall_base);
-            deskew(s, sweep, velocity, z);
+            deskew(s, sweep, {velocity, Eigen::Matrix3d::Zero()}, z);
             const Eigen::Vector2d left = innovation(z.line, wall_base);
             EXPECT_LT(left.norm(), 1e-9);
             EXPECT_LT(left.norm(), 1e-3 * skewed.norm());
