@@ -247,7 +247,9 @@ std::vector<LineObservation> LineSlam::observations_in_base(const CObservationLi
     const Pose2 T_base_sensor{lines.sensor_pose.x(), lines.sensor_pose.y(), lines.sensor_pose.yaw()};
     std::vector<LineObservation> observations;
     const SweepTime sweep{scan_duration_s_, lines.scan_beams};
-    const SweepMotion motion = sweep_motion();
+    // All lines of a scan share this noise: so many of them tell no more than one.
+    SweepMotion motion = sweep_motion();
+    motion.noise_per_s *= static_cast<double>(lines.segments().size());
     for (const lines::LineSegment& segment : lines.segments()) {
         observations.push_back(observation_in_base(segment, T_base_sensor, slam_parameters_.sigma_wall_m));
         if (scan_duration_s_ != 0) deskew(segment, sweep, motion, observations.back());
