@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "api/module.h"
+#include "line_slam/assumed_drive.h"
 #include "line_slam/line_ekf_slam.h"
 #include "line_slam/smoother.h"
 #include "line_slam/wide_interval.h"
@@ -31,6 +32,7 @@ class LineSlam : public Module {
     void drain(Publisher& publisher) override;
     void finish(Results& results) override;
     const Trajectory* trajectory() const override { return &trajectory_; }
+    bool can_calibrate() const override { return true; }
     bool can_resume() const override { return true; }
     void save_state(mrpt::serialization::CArchive& out) const override;
     void load_state(mrpt::serialization::CArchive& in) override;
@@ -70,12 +72,14 @@ class LineSlam : public Module {
     void lay_out_trajectory();
     void revise_trajectory(const line_slam::SmoothedPath& smoothed);
     void revise_between(std::size_t from, std::size_t to);
+    void calibrate(Results& results) const;
 
     line_slam::LineSlamParameters slam_parameters_;
     line_slam::IntervalParameters interval_parameters_;
     line_slam::SmootherParameters smoother_parameters_;
     double gate_probability_ = 0.999;
     bool smoothing_ = true;
+    bool calibrates_ = false;
 
     // The state: all that a break between two scans must keep.
     std::unique_ptr<line_slam::LineEkfSlam> slam_;
@@ -89,6 +93,8 @@ class LineSlam : public Module {
     std::vector<StepPose> steps_;
     line_slam::SlamStatus status_ = line_slam::SlamStatus::good;
     std::int64_t without_odometry_ = 0;
+
+    line_slam::Drive drive_;  ///< for a calibration, which no checkpoint interrupts
 
     Trajectory trajectory_;  ///< laid out at the end: thousands of scans ride between steps
 };

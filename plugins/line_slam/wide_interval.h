@@ -35,6 +35,13 @@ struct IntervalParameters {
     Regimes regimes;
 };
 
+/// Motion under one regime, by the control alone: nothing is known of slip yet.
+struct DrivePiece {
+    Regime regime = Regime::straight;
+    WheelTravel rolled;
+    double duration_s = 0;
+};
+
 /// Collects scans until a step is due.
 class WideInterval {
  public:
@@ -47,6 +54,9 @@ class WideInterval {
     /// Control and noise for eq. (3)-(6) from the last step to the latest scan: one piece, or as many as
     /// there were regimes, eq. (7)-(10).
     std::vector<MotionPiece> pieces() const;
+
+    /// What the control was from the last step to the latest scan, split at every change of the regime.
+    std::vector<DrivePiece> drive_pieces() const;
 
     /// By the wheels alone.
     const Pose2& T_step_base() const { return T_step_base_; }
@@ -69,6 +79,8 @@ class WideInterval {
     };
     bool is_due() const;
     MotionPiece piece(Regime regime, WheelTravel travel) const;
+    const WheelSpeed& commanded(Regime regime) const;
+    WheelTravel measured_travel(const Pose2& T_old_new) const;
 
     IntervalParameters parameters_;
     DriveParameters drive_;
