@@ -6,13 +6,22 @@
 namespace loopline::line_slam {
 namespace {
 
+/// Whether a piece that follows `before` begins a new stretch, which has got `way_m` so far.
+bool begins_stretch(const DrivePiece& before, const DrivePiece& piece, double way_m) {
+    return piece.regime != before.regime || way_m > longest_stretch_m;
+}
+
 /// Poses at steps and where the regime changes between two, with the pieces that lead there.
 void add_motion(const std::vector<DrivePiece>& pieces, const Pose2& T_map_step, const AssumedDrive& assumed,
-                CalibrationGraph& graph) {
+                double& stretch_m, CalibrationGraph& graph) {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const CalibrationGraph::Piece& before = graph.pieces.back();
-        const bool first = graph.pieces.size() == 1;
-        const int stretch = first ? 0 : before.stretch + (pieces[i].regime == before.drive.regime ? 0 : 1);
+        int stretch = 0;
+        if (graph.pieces.size() > 1) {
+            const bool begins = begins_stretch(graph.pieces.back().drive, pieces[i], stretch_m);
+            stretch = graph.pieces.back().stretch + (begins ? 1 : 0);
+            if (begins) stretch_m = 0;
+        }
+        stretch_m += mean_way_m(pieces[i].rolled);
         const bool last = i + 1 == pieces.size();
         graph.poses.push_back(last ? T_map_step
                                    : graph.poses.back() *
@@ -82,8 +91,9 @@ CalibrationGraph calibration_graph_of(const History& history, const SmoothedPath
     }
     graph.poses.push_back(path.poses[0]);
     graph.pieces.emplace_back();
+    double stretch_m = 0;
     for (std::size_t k = 0; k < path.poses.size(); ++k) {
-        if (k > 0) add_motion(drive[k], path.poses[k], assumed, graph);
+        if (k > 0) add_motion(drive[k], path.poses[k], assumed, stretch_m, graph);
         add_observations(history.steps[k], path.pairings[k], path.poses[k], line_of_track, gate, graph);
     }
     graph.deviations.resize(static_cast<std::size_t>(graph.pieces.back().stretch) + 1);

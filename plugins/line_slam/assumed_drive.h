@@ -11,6 +11,9 @@ namespace loopline::line_slam {
 /// What the control was, for each step of a history since the step before it.
 using Drive = std::vector<std::vector<DrivePiece>>;
 
+/// Of the way under one regime, over which slip is taken for constant.
+constexpr double longest_stretch_m = 5;
+
 struct AssumedDrive {
     RegimeWheelValues slip{};
     double track_width_m = 0.5;

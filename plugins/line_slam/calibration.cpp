@@ -55,7 +55,7 @@ NoisePrior prior_of(const NoiseVector& mean, const CalibrationParameters& p) {
     return prior;
 }
 
-/// The noise that a filter knows: no scatter of slip.
+/// As if there were no scatter of slip.
 NoiseEstimate likeliest_white_noise(CalibrationSolver& solver, CalibrationGraph graph, NoiseVector start,
                                     NoisePrior prior) {
     for (const Regime regime : all_regimes)
@@ -87,21 +87,39 @@ void tell_scales(const CalibrationGraph& graph, const CalibrationSolver::ScaleMa
                             std::sqrt(covariance(track_scale, track_scale)) * graph.track_width_m};
 }
 
+Estimate sigma_of(const NoiseEstimate& e, int at) {
+    const double value = std::exp(0.5 * e.log_variance(at));
+    return {value, 0.5 * value * std::sqrt(e.covariance(at, at))};
+}
+
+/// White noise with which a stretch of `way_m` has the variance that random way and scatter of slip give it
+/// together.
+Estimate sigma_of_whole_stretch(const NoiseEstimate& e, int random_way, int scatter, double way_m) {
+    const double by_way_m = std::exp(e.log_variance(random_way)),
+                 by_scatter_m = std::exp(e.log_variance(scatter)) * way_m;
+    const double variance_m = by_way_m + by_scatter_m;
+    const double error2 = by_way_m * by_way_m * e.covariance(random_way, random_way) +
+                          by_scatter_m * by_scatter_m * e.covariance(scatter, scatter) +
+                          2 * by_way_m * by_scatter_m * e.covariance(random_way, scatter);
+    return {std::sqrt(variance_m), 0.5 * std::sqrt(error2 / variance_m)};
+}
+
+/// Full: with the scatter of slip; white: without.
 void tell_noise(const NoiseEstimate& full, const NoiseEstimate& white, DriveCalibration& result) {
-    const auto sigma = [](const NoiseEstimate& e, int at) {
-        const double value = std::exp(0.5 * e.log_variance(at));
-        return Estimate{value, 0.5 * value * std::sqrt(e.covariance(at, at))};
-    };
     for (const Regime regime : all_regimes)
         for (const Wheel wheel : both_wheels) {
             WheelEstimate& e =
                 result.wheels[static_cast<std::size_t>(regime)][static_cast<std::size_t>(wheel)];
-            e.sigma_m = sigma(white, wheel_noise(regime, wheel));
-            e.random_way_m = sigma(full, wheel_noise(regime, wheel));
-            e.scatter = sigma(full, slip_scatter(regime, wheel));
+            const int random_way = wheel_noise(regime, wheel), scatter = slip_scatter(regime, wheel);
+            e.random_way_m = sigma_of(full, random_way);
+            e.scatter = sigma_of(full, scatter);
+            const RegimeAmount& amount = result.amounts[static_cast<std::size_t>(regime)];
+            e.sigma_m = e.scatter_is_told() ? sigma_of_whole_stretch(full, random_way, scatter,
+                                                                     of(amount.rolled_at_once_m, wheel))
+                                            : sigma_of(white, random_way);
         }
-    result.sigma_side_m = sigma(white, side_noise);
-    result.sigma_rest_m = sigma(white, rest_noise);
+    result.sigma_side_m = sigma_of(full, side_noise);
+    result.sigma_rest_m = sigma_of(full, rest_noise);
 }
 
 bool has_settled(const DriveCalibration& before, const DriveCalibration& now, double part) {
@@ -137,8 +155,8 @@ DriveCalibration calibrate_once(const History& history, const Drive& drive, cons
     result.good = white.good;
     tell_scales(graph, solver.scale_covariance(graph, noise.log_variance), result);
     if (!result.track_told) result.track_width_m.standard_error = track_error * graph.track_width_m;
-    tell_noise(noise, white, result);
     result.amounts = amounts_of(graph.pieces);
+    tell_noise(noise, white, result);
     assumed = {graph.slip, result.track_width_m.value, noise.log_variance};
     return result;
 }

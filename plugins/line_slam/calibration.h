@@ -23,11 +23,18 @@ struct CalibrationParameters {
     double track_told = 0.5;
 };
 
+/// A noise that is not known within a factor of two is not told.
+constexpr double largest_relative_error = 0.7;
+
 struct WheelEstimate {
     Estimate slip;
-    Estimate sigma_m;       ///< of the travel after 1 m, as a filter takes it that knows no scatter of slip
+    /// Of the travel after 1 m, as a filter takes it that knows no scatter of slip: where the log tells the
+    /// scatter, right for whole stretches, otherwise the likeliest white noise.
+    Estimate sigma_m;
     Estimate random_way_m;  ///< of the travel after 1 m, beside the scatter of slip
     Estimate scatter;       ///< of slip from stretch to stretch
+
+    bool scatter_is_told() const { return scatter.standard_error < largest_relative_error * scatter.value; }
 };
 
 struct DriveCalibration {

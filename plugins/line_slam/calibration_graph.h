@@ -23,7 +23,7 @@ constexpr int scale_count = track_scale + 1;
 struct CalibrationGraph {
     struct Piece {
         DrivePiece drive;
-        int stretch = 0;  ///< of consecutive pieces under one regime
+        int stretch = 0;  ///< of consecutive pieces under one regime, whose slip is one
     };
     std::vector<Pose2> poses;  ///< at steps, and where the regime changes between two; [0] stays
     std::vector<PlanarLine> lines;

@@ -10,9 +10,6 @@ namespace {
 
 using Control = IntervalParameters::Control;
 
-/// Of a noise; known no better than within a factor of two, it is not worth more than a guess.
-constexpr double largest_relative_error = 0.7;
-
 std::string rounded(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.2g", value);
@@ -149,7 +146,7 @@ class Section {
             return;
         }
         std::string comment = on;
-        if (estimate.scatter.standard_error < largest_relative_error * estimate.scatter.value)
+        if (estimate.scatter_is_told())
             comment += "; of it " + rounded(estimate.random_way_m.value) +
                        " are random way, the rest a slip that " + "scatters by " +
                        rounded(estimate.scatter.value) + " from stretch to stretch";

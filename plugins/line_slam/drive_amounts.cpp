@@ -5,11 +5,12 @@
 namespace loopline::line_slam {
 namespace {
 
-/// Between two changes of the regime.
+/// Of one stretch.
 struct Run {
     Regime regime = Regime::straight;
     double duration_s = 0;
-    WheelValues way_m{};
+    WheelValues way_m{};     ///< of the rims
+    WheelValues rolled_m{};  ///< the same, forward and back
 };
 
 std::vector<Run> runs_of(const std::vector<CalibrationGraph::Piece>& pieces) {
@@ -18,7 +19,10 @@ std::vector<Run> runs_of(const std::vector<CalibrationGraph::Piece>& pieces) {
         Run& run = runs[static_cast<std::size_t>(pieces[k].stretch)];
         run.regime = pieces[k].drive.regime;
         run.duration_s += pieces[k].drive.duration_s;
-        for (const Wheel wheel : both_wheels) of(run.way_m, wheel) += of(pieces[k].drive.rolled, wheel);
+        for (const Wheel wheel : both_wheels) {
+            of(run.way_m, wheel) += of(pieces[k].drive.rolled, wheel);
+            of(run.rolled_m, wheel) += std::abs(of(pieces[k].drive.rolled, wheel));
+        }
     }
     return runs;
 }
@@ -43,19 +47,26 @@ Estimate mean_speed(const std::vector<Run>& runs, Regime regime, Wheel wheel) {
 
 RegimeAmounts amounts_of(const std::vector<CalibrationGraph::Piece>& pieces) {
     RegimeAmounts amounts;
-    for (std::size_t k = 1; k < pieces.size(); ++k) {
-        RegimeAmount& amount = amounts[static_cast<std::size_t>(pieces[k].drive.regime)];
-        ++amount.steps;
-        amount.duration_s += pieces[k].drive.duration_s;
-        for (const Wheel wheel : both_wheels)
-            of(amount.rolled_m, wheel) += std::abs(of(pieces[k].drive.rolled, wheel));
-    }
+    for (std::size_t k = 1; k < pieces.size(); ++k)
+        ++amounts[static_cast<std::size_t>(pieces[k].drive.regime)].steps;
     const std::vector<Run> runs = runs_of(pieces);
-    for (const Run& run : runs) ++amounts[static_cast<std::size_t>(run.regime)].stretches;
-    for (const Regime regime : all_regimes)
-        for (const Wheel wheel : both_wheels)
-            amounts[static_cast<std::size_t>(regime)].speed_mps[static_cast<std::size_t>(wheel)] =
-                mean_speed(runs, regime, wheel);
+    for (const Run& run : runs) {
+        RegimeAmount& amount = amounts[static_cast<std::size_t>(run.regime)];
+        ++amount.stretches;
+        amount.duration_s += run.duration_s;
+        for (const Wheel wheel : both_wheels) {
+            of(amount.rolled_m, wheel) += of(run.rolled_m, wheel);
+            of(amount.rolled_at_once_m, wheel) += of(run.rolled_m, wheel) * of(run.rolled_m, wheel);
+        }
+    }
+    for (const Regime regime : all_regimes) {
+        RegimeAmount& amount = amounts[static_cast<std::size_t>(regime)];
+        for (const Wheel wheel : both_wheels) {
+            if (of(amount.rolled_m, wheel) > 0)
+                of(amount.rolled_at_once_m, wheel) /= of(amount.rolled_m, wheel);
+            amount.speed_mps[static_cast<std::size_t>(wheel)] = mean_speed(runs, regime, wheel);
+        }
+    }
     return amounts;
 }
 

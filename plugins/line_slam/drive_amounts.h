@@ -13,9 +13,10 @@ struct Estimate {
 
 struct RegimeAmount {
     int steps = 0;      ///< of the filter, with a motion under this regime
-    int stretches = 0;  ///< without a break
+    int stretches = 0;  ///< whose slip is one
     double duration_s = 0;
-    WheelValues rolled_m{};  ///< way of the rims, forward and back
+    WheelValues rolled_m{};          ///< way of the rims, forward and back
+    WheelValues rolled_at_once_m{};  ///< within a stretch, as the mean over all metres: sum of squares by sum
     /// Of the rims: sum of the ways by sum of the times, starting and stopping included, with the scatter of
     /// the stretches as its error.
     std::array<Estimate, wheel_count> speed_mps;

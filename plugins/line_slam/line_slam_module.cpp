@@ -200,9 +200,9 @@ LineSlam::Scan& LineSlam::waiting_scan(const StreamItem& item, Part part) {
     return *place;
 }
 
-void LineSlam::take_command(const std::string& text) {
-    for (int r = 0; r < regime_count; ++r)
-        if (text == command_words[r]) commanded_ = static_cast<Regime>(r);
+void LineSlam::take_command(const std::string& text, StampNs stamp_ns) {
+    for (const Regime regime : all_regimes)
+        if (text == command_words[static_cast<int>(regime)]) commanded_ = Command{regime, stamp_ns};
 }
 
 void LineSlam::process(const StreamItem& item, Publisher& publisher) {
@@ -219,7 +219,7 @@ void LineSlam::process(const StreamItem& item, Publisher& publisher) {
             Pose2{odometry.odometry.x(), odometry.odometry.y(), wrap_to_pi(odometry.odometry.phi())};
     } else {
         if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(item.observation.get()))
-            take_command(comment->text);
+            take_command(comment->text, item.stamp_ns);
         return;
     }
     while (!waiting_.empty() && status_ == SlamStatus::good) {
@@ -249,11 +249,22 @@ std::vector<LineObservation> LineSlam::observations_in_base(const CObservationLi
     return observations;
 }
 
+ScanMotion LineSlam::motion_until(const Scan& scan) const {
+    ScanMotion motion;
+    motion.T_odom_base = T_odom_base_;
+    motion.duration_s = places_.empty() ? 0 : seconds_between(places_.back().stamp_ns, scan.stamp_ns);
+    if (!scan.commanded) return motion;
+    motion.commanded = scan.commanded->regime;
+    if (motion.duration_s > 0)
+        motion.commanded_at = std::clamp(
+            seconds_between(places_.back().stamp_ns, scan.commanded->since_ns) / motion.duration_s, 0.0, 1.0);
+    return motion;
+}
+
 void LineSlam::estimate(Scan&& scan, Publisher& publisher) {
     if (!scan.T_odom_base) ++without_odometry_;
     T_odom_base_ = scan.T_odom_base.value_or(T_odom_base_);
-    const double duration_s = places_.empty() ? 0 : seconds_between(places_.back().stamp_ns, scan.stamp_ns);
-    const bool due = interval_->add({T_odom_base_, duration_s, scan.commanded});
+    const bool due = interval_->add(motion_until(scan));
     places_.push_back({scan.sequence, scan.stamp_ns, interval_->T_step_base(), false});
     if (due)
         step(scan, publisher);

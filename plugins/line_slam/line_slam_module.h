@@ -40,6 +40,10 @@ class LineSlam : public Module {
  private:
     template <class Archive>
     friend void fields(Archive&, LineSlam&);
+    struct Command {
+        line_slam::Regime regime = line_slam::Regime::straight;
+        StampNs since_ns = 0;
+    };
     /// What is known of one scan so far.
     struct Scan {
         std::uint64_t sequence = 0;
@@ -47,7 +51,7 @@ class LineSlam : public Module {
         mrpt::Clock::time_point timestamp;
         std::optional<Pose2> T_odom_base;
         std::shared_ptr<const CObservationLines> lines;
-        std::optional<line_slam::Regime> commanded;
+        std::optional<Command> commanded;
     };
     /// Of each scan, whether a step or not.
     struct ScanPlace {
@@ -65,7 +69,8 @@ class LineSlam : public Module {
     enum class Part { lines, odometry };
     /// The scan that this item is a part of.
     Scan& waiting_scan(const StreamItem& item, Part part);
-    void take_command(const std::string& text);
+    void take_command(const std::string& text, StampNs stamp_ns);
+    line_slam::ScanMotion motion_until(const Scan& scan) const;
     std::vector<line_slam::LineObservation> observations_in_base(const CObservationLines& lines) const;
     void estimate(Scan&& scan, Publisher& publisher);
     void step(const Scan& scan, Publisher& publisher);
@@ -88,7 +93,7 @@ class LineSlam : public Module {
     std::uint64_t newest_lines_ = 0;  ///< highest sequence that brought lines
     std::optional<Scan> since_step_;  ///< the latest scan that was no step
     Pose2 T_odom_base_;               ///< at the latest scan
-    std::optional<line_slam::Regime> commanded_;
+    std::optional<Command> commanded_;
     std::vector<ScanPlace> places_;
     std::vector<StepPose> steps_;
     line_slam::SlamStatus status_ = line_slam::SlamStatus::good;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "odometry/twist2.h"
+
 namespace loopline::line_slam {
 
 namespace {
@@ -27,14 +29,21 @@ bool WideInterval::add(const ScanMotion& motion) {
 
     const Regime before = stretches_.empty() ? regime_at_step_ : stretches_.back().regime;
     if (parameters_.re_prediction && regime_ != before) ++re_predictions_;
-    if (stretches_.empty() || regime_ != before)
-        stretches_.push_back({regime_, T_step_previous_, duration_s_});
+    if (stretches_.empty() || regime_ != before) begin_stretch(before, motion);
     duration_s_ += motion.duration_s;
     way_m_ += way_m;
     ++scans_;
     const bool due = !begun_ || is_due();
     begun_ = true;
     return due;
+}
+
+/// Where the regime changed; what the wheels show, they show of the whole motion since the scan before.
+void WideInterval::begin_stretch(Regime before, const ScanMotion& motion) {
+    const double at = motion.commanded && regime_ != before ? motion.commanded_at : 0;
+    if (stretches_.empty() && at > 0) stretches_.push_back({before, T_step_previous_, duration_s_});
+    stretches_.push_back(
+        {regime_, interpolate_se2(T_step_previous_, T_step_base_, at), duration_s_ + at * motion.duration_s});
 }
 
 bool WideInterval::is_due() const {

@@ -18,6 +18,7 @@ struct ScanMotion {
     Pose2 T_odom_base;                ///< by the wheels
     double duration_s = 0;            ///< since the scan before
     std::optional<Regime> commanded;  ///< where the log tells it
+    double commanded_at = 0;          ///< the part of the duration after which it was; 0: before
 };
 
 struct IntervalParameters {
@@ -77,6 +78,7 @@ class WideInterval {
         Pose2 T_step_from;  ///< where it begins, by the wheels
         double from_s;      ///< and when, since the step
     };
+    void begin_stretch(Regime before, const ScanMotion& motion);
     bool is_due() const;
     MotionPiece piece(Regime regime, WheelTravel travel) const;
     const WheelSpeed& commanded(Regime regime) const;
