@@ -1,5 +1,6 @@
 /// loopline: from a rawlog and an .ini to a trajectory, a map, pictures and figures. The table of its
 /// commands.
+#include "commands/calibrate.h"
 #include "commands/check.h"
 #include "commands/command_line.h"
 #include "commands/describe.h"
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
     std::vector<std::unique_ptr<loopline::Command>> commands;
     commands.push_back(loopline::make_run_command());
     commands.push_back(loopline::make_sweep_command());
+    commands.push_back(loopline::make_calibrate_command());
     commands.push_back(loopline::make_simulate_command());
     commands.push_back(loopline::make_evaluate_command());
     commands.push_back(loopline::make_render_command());

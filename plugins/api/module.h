@@ -26,8 +26,8 @@ struct ModuleInfo {
     std::string name;      ///< as in `[run] modules`, and its .ini section
     std::string sentence;  ///< what it does
     std::vector<std::string>
-        needs;  ///< class names of observations it can't work without ("CObservation2DRangeScan"); the first is
-                ///< the one that its time is told per
+        needs;  ///< class names of observations it can't work without ("CObservation2DRangeScan"); the first
+                ///< is the one that its time is told per
     std::vector<std::string> uses;       ///< class names it takes when they are there
     std::vector<std::string> publishes;  ///< class names that it publishes
 };
@@ -53,8 +53,9 @@ class Publisher {
 };
 
 struct RunContext {
-    int threads = 1;         ///< at most; the result must not depend on it
-    std::uint64_t seed = 0;  ///< for whatever draws random numbers
+    int threads = 1;          ///< at most; the result must not depend on it
+    std::uint64_t seed = 0;   ///< for whatever draws random numbers
+    bool calibrates = false;  ///< the run is for Results::calibrations
 };
 
 /// Common to everything that a plugin offers by name: parameters, bound to the object that holds them.
@@ -82,8 +83,12 @@ class Module : public Configurable {
     virtual void drain(Publisher&) {}
     /// After drain() of the whole chain: smoothing, closing loops, handing over maps and figures.
     virtual void finish(Results&) {}
-    /// The path that this module estimates, with all its revisions, complete after finish(); null if it estimates none.
+    /// The path that this module estimates, with all its revisions, complete after finish(); null if it
+    /// estimates none.
     virtual const Trajectory* trajectory() const { return nullptr; }
+
+    /// Whether a run can be for a calibration of its parameters, which finish() then hands over.
+    virtual bool can_calibrate() const { return false; }
 
     /// Whether the two below are there, or there is no state. A chain makes checkpoints if all its modules
     /// say so.
@@ -112,7 +117,7 @@ class MapBuilder : public Configurable {
 }  // namespace loopline
 
 /// The contract's version: a plugin built against another one is refused with a sentence.
-#define LOOPLINE_API_VERSION "loopline-api-2"
+#define LOOPLINE_API_VERSION "loopline-api-3"
 
 /// Once in every plugin library, at file scope, outside any namespace.
 #define LOOPLINE_PLUGIN()                                                                         \

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "line_slam/calibration_section.h"
 #include "line_slam/chi_square.h"
 #include "line_slam/line_input.h"
 #include "lines/observation_lines.h"
@@ -43,8 +44,6 @@ mrpt::obs::CObservationRobotPose::Ptr pose_observation(const Pose2& T_map_base,
     return observation;
 }
 
-// As in the paper's dialog, figure 3.
-constexpr const char* regime_keys[regime_count] = {"straight", "turn_left", "turn_right"};
 constexpr const char* regime_words[regime_count] = {"driving straight", "turning left", "turning right"};
 /// What a log's comments say when the regime changes.
 constexpr const char* command_words[regime_count] = {"straight", "left", "right"};
@@ -114,6 +113,10 @@ ParameterTable LineSlam::parameters() {
                 "paper), or "
                 "by joint compatibility branch and bound.")
         .real("track_width_m", drive.track_width_m, Range::positive(), "Distance of the driven wheels.")
+        .real(
+            "odometry_track_width_m", drive.odometry_track_width_m, {0, 100},
+            "Distance of the wheels that the log's odometry was reckoned with, which tells their travel from "
+            "its poses; 0: track_width_m.")
         .real("sigma_wheel_m", drive.sigma_wheel_m, {0, 10},
               "Standard deviation of one wheel's travel after 1 m; variances grow in proportion to the way.")
         .real("sigma_side_m", drive.sigma_side_m, {0, 10},
@@ -138,9 +141,9 @@ ParameterTable LineSlam::parameters() {
         .integer("support_scans", slam_parameters_.tentative.scans, {1, 1000},
                  "Steps that must have seen a line before it enters the state.")
         .boolean("smoothing", smoothing_, "Smooth the whole path at the end of the log.");
-    for (int r = 0; r < regime_count; ++r) {
-        RegimeParameters& p = interval.regimes[static_cast<std::size_t>(r)];
-        const std::string name = regime_keys[r], way = regime_words[r];
+    for (const Regime regime : all_regimes) {
+        RegimeParameters& p = interval.regimes[static_cast<std::size_t>(regime)];
+        const std::string name = regime_key(regime), way = regime_words[static_cast<int>(regime)];
         table
             .real(name + "_left_mps", p.commanded.left_mps, {-100, 100},
                   "Left wheel's speed " + way + ", for control = commanded.")
@@ -169,7 +172,8 @@ std::string LineSlam::check() const {
     return {};
 }
 
-void LineSlam::start(const RunContext&) {
+void LineSlam::start(const RunContext& context) {
+    calibrates_ = context.calibrates;
     const double gate = chi_square_quantile(2, gate_probability_);
     slam_parameters_.association.gate = gate;
     slam_parameters_.association.probability = gate_probability_;
@@ -202,9 +206,9 @@ LineSlam::Scan& LineSlam::waiting_scan(const StreamItem& item, Part part) {
     return *place;
 }
 
-void LineSlam::take_command(const std::string& text) {
-    for (int r = 0; r < regime_count; ++r)
-        if (text == command_words[r]) commanded_ = static_cast<Regime>(r);
+void LineSlam::take_command(const std::string& text, StampNs stamp_ns) {
+    for (const Regime regime : all_regimes)
+        if (text == command_words[static_cast<int>(regime)]) commanded_ = Command{regime, stamp_ns};
 }
 
 void LineSlam::process(const StreamItem& item, Publisher& publisher) {
@@ -221,7 +225,7 @@ void LineSlam::process(const StreamItem& item, Publisher& publisher) {
             Pose2{odometry.odometry.x(), odometry.odometry.y(), wrap_to_pi(odometry.odometry.phi())};
     } else {
         if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(item.observation.get()))
-            take_command(comment->text);
+            take_command(comment->text, item.stamp_ns);
         return;
     }
     while (!waiting_.empty() && status_ == SlamStatus::good) {
@@ -264,14 +268,26 @@ SweepMotion LineSlam::sweep_motion() const {
             interval_->noise_on(T_previous_base_, interval_->regime()) / since_previous_s_};
 }
 
+ScanMotion LineSlam::motion_until(const Scan& scan) const {
+    ScanMotion motion;
+    motion.T_odom_base = T_odom_base_;
+    motion.duration_s = places_.empty() ? 0 : seconds_between(places_.back().stamp_ns, scan.stamp_ns);
+    if (!scan.commanded) return motion;
+    motion.commanded = scan.commanded->regime;
+    if (motion.duration_s > 0)
+        motion.commanded_at = std::clamp(
+            seconds_between(places_.back().stamp_ns, scan.commanded->since_ns) / motion.duration_s, 0.0, 1.0);
+    return motion;
+}
+
 void LineSlam::estimate(Scan&& scan, Publisher& publisher) {
     if (!scan.T_odom_base) ++without_odometry_;
     const Pose2 T_odom_previous = T_odom_base_;
     T_odom_base_ = scan.T_odom_base.value_or(T_odom_base_);
-    const double duration_s = places_.empty() ? 0 : seconds_between(places_.back().stamp_ns, scan.stamp_ns);
     T_previous_base_ = T_odom_previous.inverse() * T_odom_base_;
-    since_previous_s_ = duration_s;
-    const bool due = interval_->add({T_odom_base_, duration_s, scan.commanded});
+    const ScanMotion motion = motion_until(scan);
+    since_previous_s_ = motion.duration_s;
+    const bool due = interval_->add(motion);
     places_.push_back({scan.sequence, scan.stamp_ns, interval_->T_step_base(), interval_->regime(), false});
     if (due)
         step(scan, publisher);
@@ -282,6 +298,7 @@ void LineSlam::estimate(Scan&& scan, Publisher& publisher) {
 /// Of the filter, at the latest scan.
 void LineSlam::step(const Scan& scan, Publisher& publisher) {
     status_ = slam_->step(interval_->pieces(), observations_in_base(*scan.lines));
+    if (calibrates_) drive_.push_back(interval_->drive_pieces());
     interval_->restart();
     since_step_.reset();
     if (status_ != SlamStatus::good) return;
@@ -349,6 +366,23 @@ void LineSlam::revise_between(std::size_t from, std::size_t to) {
     }
 }
 
+void LineSlam::calibrate(Results& results) const {
+    CalibrationParameters parameters;
+    parameters.regimes = interval_parameters_.regimes;
+    parameters.smoother = smoother_parameters_;
+    const DriveCalibration calibration = calibrate_drive(slam_->history(), drive_, parameters);
+    if (!calibration.good) {
+        results.refused =
+            "line_slam: this log can't be calibrated from; it takes a drive along walls that are seen again "
+            "and again";
+        return;
+    }
+    results.calibrations.push_back(
+        calibration_section(calibration, {slam_parameters_.drive, interval_parameters_.regimes,
+                                          interval_parameters_.control, commanded_.has_value()}));
+    results.metrics["calibration_rounds"] = static_cast<std::int64_t>(calibration.rounds);
+}
+
 void LineSlam::finish(Results& results) {
     lay_out_trajectory();
     const LineSlamCounts& counts = slam_->counts();
@@ -369,6 +403,7 @@ void LineSlam::finish(Results& results) {
                           " scans; check the units of the odometry and the noise given in [line_slam]";
         return;
     }
+    if (calibrates_) calibrate(results);
 
     LineMap map;
     if (smoothing_) {

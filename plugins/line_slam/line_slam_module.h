@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "api/module.h"
+#include "line_slam/assumed_drive.h"
 #include "line_slam/line_ekf_slam.h"
 #include "line_slam/line_input.h"
 #include "line_slam/smoother.h"
@@ -32,6 +33,7 @@ class LineSlam : public Module {
     void drain(Publisher& publisher) override;
     void finish(Results& results) override;
     const Trajectory* trajectory() const override { return &trajectory_; }
+    bool can_calibrate() const override { return true; }
     bool can_resume() const override { return true; }
     void save_state(mrpt::serialization::CArchive& out) const override;
     void load_state(mrpt::serialization::CArchive& in) override;
@@ -39,6 +41,10 @@ class LineSlam : public Module {
  private:
     template <class Archive>
     friend void fields(Archive&, LineSlam&);
+    struct Command {
+        line_slam::Regime regime = line_slam::Regime::straight;
+        StampNs since_ns = 0;
+    };
     /// What is known of one scan so far.
     struct Scan {
         std::uint64_t sequence = 0;
@@ -46,7 +52,7 @@ class LineSlam : public Module {
         mrpt::Clock::time_point timestamp;
         std::optional<Pose2> T_odom_base;
         std::shared_ptr<const CObservationLines> lines;
-        std::optional<line_slam::Regime> commanded;
+        std::optional<Command> commanded;
     };
     /// Of each scan, whether a step or not.
     struct ScanPlace {
@@ -65,7 +71,8 @@ class LineSlam : public Module {
     enum class Part { lines, odometry };
     /// The scan that this item is a part of.
     Scan& waiting_scan(const StreamItem& item, Part part);
-    void take_command(const std::string& text);
+    void take_command(const std::string& text, StampNs stamp_ns);
+    line_slam::ScanMotion motion_until(const Scan& scan) const;
     std::vector<line_slam::LineObservation> observations_in_base(const CObservationLines& lines) const;
     line_slam::SweepMotion sweep_motion() const;
     void estimate(Scan&& scan, Publisher& publisher);
@@ -74,6 +81,7 @@ class LineSlam : public Module {
     void revise_trajectory(const line_slam::SmoothedPath& smoothed);
     Eigen::Matrix3d noise_since_step(const Pose2& T_map_step, const ScanPlace& place) const;
     void revise_between(std::size_t from, std::size_t to);
+    void calibrate(Results& results) const;
 
     line_slam::LineSlamParameters slam_parameters_;
     line_slam::IntervalParameters interval_parameters_;
@@ -81,6 +89,7 @@ class LineSlam : public Module {
     double gate_probability_ = 0.999;
     bool smoothing_ = true;
     double scan_duration_s_ = 0;
+    bool calibrates_ = false;
 
     // The state: all that a break between two scans must keep.
     std::unique_ptr<line_slam::LineEkfSlam> slam_;
@@ -91,11 +100,13 @@ class LineSlam : public Module {
     Pose2 T_odom_base_;               ///< at the latest scan
     Pose2 T_previous_base_;           ///< from the scan before to the latest, by the wheels
     double since_previous_s_ = 0;
-    std::optional<line_slam::Regime> commanded_;
+    std::optional<Command> commanded_;
     std::vector<ScanPlace> places_;
     std::vector<StepPose> steps_;
     line_slam::SlamStatus status_ = line_slam::SlamStatus::good;
     std::int64_t without_odometry_ = 0;
+
+    line_slam::Drive drive_;  ///< for a calibration, which no checkpoint interrupts
 
     Trajectory trajectory_;  ///< laid out at the end: thousands of scans ride between steps
 };

@@ -6,7 +6,7 @@
 
 namespace loopline {
 namespace {
-constexpr std::uint32_t form_version = 1;
+constexpr std::uint32_t form_version = 2;
 }
 
 namespace line_slam {
@@ -108,10 +108,16 @@ void fields(Archive& archive, std::shared_ptr<const CObservationLines>& lines) {
 template <class Archive>
 void fields(Archive& archive, LineSlam& module) {
     auto& m = module;
-    const auto scan = [](auto& a, auto& s) {
+    const auto command = [](auto& a, auto& c) {
+        bool there = c.has_value();
+        a(there);
+        if (Archive::reading && there) c.emplace();
+        if (there) a(c->regime, c->since_ns);
+    };
+    const auto scan = [&command](auto& a, auto& s) {
         a(s.sequence, s.stamp_ns, s.timestamp, s.T_odom_base);
         fields(a, s.lines);
-        a(s.commanded);
+        command(a, s.commanded);
     };
     archive(*m.slam_, *m.interval_);
     archive.each(m.waiting_, scan);
@@ -121,7 +127,7 @@ void fields(Archive& archive, LineSlam& module) {
     if (Archive::reading && since_step) m.since_step_.emplace();
     if (since_step) scan(archive, *m.since_step_);
     archive(m.T_odom_base_, m.T_previous_base_, m.since_previous_s_);
-    archive(m.commanded_);
+    command(archive, m.commanded_);
     archive.each(m.places_,
                  [](auto& a, auto& p) { a(p.sequence, p.stamp_ns, p.T_step_base, p.regime, p.is_step); });
     archive.each(m.steps_, [](auto& a, auto& step) { a(step.T_map_base, step.covariance); });

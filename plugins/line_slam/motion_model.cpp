@@ -57,15 +57,18 @@ ExpectedTravel expected_travel(const Pose2& T_old_new, double track_width_m,
     return e;
 }
 
+double mean_way_m(const WheelTravel& travel) {
+    return 0.5 * (std::abs(travel.left_m) + std::abs(travel.right_m)) + std::abs(travel.side_m);
+}
+
 Eigen::Matrix3d travel_covariance(const WheelTravel& travel, const DriveParameters& drive,
                                   double sigma_left_m, double sigma_right_m) {
     const auto variance = [&](double sigma_at_1m, double way_m) {
         return sigma_at_1m * sigma_at_1m * std::abs(way_m) + drive.sigma_rest_m * drive.sigma_rest_m;
     };
-    const double way_m = 0.5 * (std::abs(travel.left_m) + std::abs(travel.right_m)) + std::abs(travel.side_m);
     return Eigen::Vector3d(variance(sigma_left_m > 0 ? sigma_left_m : drive.sigma_wheel_m, travel.left_m),
                            variance(sigma_right_m > 0 ? sigma_right_m : drive.sigma_wheel_m, travel.right_m),
-                           variance(drive.sigma_side_m, way_m))
+                           variance(drive.sigma_side_m, mean_way_m(travel)))
         .asDiagonal();
 }
 

@@ -11,11 +11,16 @@ namespace loopline::line_slam {
 /// What is physical about the drive. Noise grows with the square root of the way, as that of a sum of
 /// independent slips.
 struct DriveParameters {
-    double track_width_m = 0.5;    ///< l, distance of the driven wheels
-    double sigma_wheel_m = 0.03;   ///< of one wheel's travel after 1 m
-    double sigma_side_m = 0.06;    ///< of the sideways motion after 1 m
-    double sigma_rest_m = 0.0005;  ///< of each, without any motion: resolution of the encoders
-    double sigma_scale = 0.05;     ///< how well wheel diameters and track width are known, as a fraction
+    double track_width_m = 0.5;         ///< l, distance of the driven wheels
+    double odometry_track_width_m = 0;  ///< that the log's poses were reckoned with; 0: the same
+    double sigma_wheel_m = 0.03;        ///< of one wheel's travel after 1 m
+    double sigma_side_m = 0.06;         ///< of the sideways motion after 1 m
+    double sigma_rest_m = 0.0005;       ///< of each, without any motion: resolution of the encoders
+    double sigma_scale = 0.05;          ///< how well wheel diameters and track width are known, as a fraction
+
+    double odometry_width_m() const {
+        return odometry_track_width_m > 0 ? odometry_track_width_m : track_width_m;
+    }
 };
 
 /// The control u of eq. (3), as travel instead of speed times interval. A log that has only relative poses
@@ -57,6 +62,9 @@ struct ExpectedTravel {
 };
 ExpectedTravel expected_travel(const Pose2& T_old_new, double track_width_m,
                                const WheelCalibration& calibration);
+
+/// Way of the vehicle's middle, whatever its direction.
+double mean_way_m(const WheelTravel& travel);
 
 /// Q of eq. (5): covariance of (left, right, side). The two last, above 0, replace `drive.sigma_wheel_m` for
 /// one wheel.

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "line_slam/graph_terms.h"
 #include "line_slam/selected_inverse.h"
 
 namespace loopline::line_slam {
@@ -20,36 +21,16 @@ struct MotionTerm {
 
 /// What the wheels ought to have said minus what they said.
 MotionTerm motion_term(const PoseLineGraph& graph, std::size_t k) {
-    const Pose2 &previous = graph.poses[k - 1], &pose = graph.poses[k];
-    const double c = std::cos(previous.phi_rad), s = std::sin(previous.phi_rad);
-    const Pose2 between = previous.inverse() * pose;
-    Eigen::Matrix3d between_to_pose, between_to_previous;
-    between_to_pose << c, s, 0, -s, c, 0, 0, 0, 1;
-    between_to_previous << -c, -s, between.y_m, s, -c, -between.x_m, 0, 0, -1;
-    const ExpectedTravel expected = expected_travel(between, graph.track_width_m, graph.calibration);
+    const BetweenTerm between = between_term(graph.poses[k - 1], graph.poses[k]);
+    const ExpectedTravel expected =
+        expected_travel(between.T_previous_pose, graph.track_width_m, graph.calibration);
     const WheelTravel& measured = graph.motions[k].travel;
     MotionTerm t;
     t.residual << expected.travel.left_m - measured.left_m, expected.travel.right_m - measured.right_m,
         expected.travel.side_m - measured.side_m;
-    t.to_pose = expected.motion * between_to_pose;
-    t.to_previous = expected.motion * between_to_previous;
+    t.to_pose = expected.motion * between.to_pose;
+    t.to_previous = expected.motion * between.to_previous;
     t.to_calibration = expected.calibration;
-    return t;
-}
-
-/// Predicted minus observed.
-struct LineTerm {
-    Eigen::Vector2d residual;
-    Matrix23 to_pose;         ///< to (x, y, phi)
-    Eigen::Matrix2d to_line;  ///< to (rho, alpha)
-};
-
-LineTerm line_term(const Pose2& pose, const PlanarLine& line, const PlanarLine& observed_base) {
-    const Eigen::Vector2d n = line.normal();
-    LineTerm t;
-    t.residual = -innovation(observed_base, predicted_line(pose, line));
-    t.to_pose << -n.x(), -n.y(), 0, 0, 0, -1;
-    t.to_line << 1, -line.along_m(pose.translation()), 0, 1;
     return t;
 }
 

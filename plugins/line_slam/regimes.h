@@ -11,6 +11,13 @@ namespace loopline::line_slam {
 
 enum class Regime { straight, left, right };
 constexpr int regime_count = 3;
+constexpr std::array<Regime, regime_count> all_regimes{Regime::straight, Regime::left, Regime::right};
+
+/// What the keys of one regime begin with, as in the paper's dialog, figure 3.
+inline const char* regime_key(Regime regime) {
+    constexpr const char* keys[regime_count] = {"straight", "turn_left", "turn_right"};
+    return keys[static_cast<int>(regime)];
+}
 
 /// At the rims, forward positive.
 struct WheelSpeed {

@@ -46,7 +46,8 @@ SmoothedPath smooth(const History& history, const SmootherParameters& parameters
     if (history.steps.size() < 2) return path;
     for (const HistoryStep& step : history.steps) path.poses.push_back(step.T_map_base);
     path.calibration = history.calibration;
-    Pairings pairings = filter_pairings(history);
+    path.pairings = filter_pairings(history);
+    Pairings& pairings = path.pairings;
     std::vector<PlanarLine> line_of_track = latest_lines(history, path.poses, pairings);
 
     bool last = false;

@@ -27,6 +27,7 @@ struct SmoothedPath {
     std::vector<Pose2> poses;  ///< one for each step of the history
     std::vector<Eigen::Matrix3d> covariances;  ///< of (x, y, phi)
     std::vector<SmoothedWall> walls;           ///< ordered by track
+    Pairings pairings;                         ///< that this is the path of
     WheelCalibration calibration;
     int rounds = 0, iterations = 0;
     double initial_cost = 0, final_cost = 0;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "odometry/twist2.h"
+
 namespace loopline::line_slam {
 
 namespace {
@@ -21,20 +23,27 @@ bool WideInterval::add(const ScanMotion& motion) {
     const double way_m = (T_step_base_.translation() - T_step_previous_.translation()).norm();
     const double turn_rad = wrap_to_pi(T_step_base_.phi_rad - T_step_previous_.phi_rad);
     if (motion.duration_s > 0)
-        watch_.watch(way_m / motion.duration_s, turn_rad * drive_.track_width_m / motion.duration_s);
+        watch_.watch(way_m / motion.duration_s, turn_rad * drive_.odometry_width_m() / motion.duration_s);
     regime_ = motion.commanded.value_or(watch_.regime());
     if (!begun_) regime_at_step_ = regime_;
 
     const Regime before = stretches_.empty() ? regime_at_step_ : stretches_.back().regime;
     if (parameters_.re_prediction && regime_ != before) ++re_predictions_;
-    if (stretches_.empty() || regime_ != before)
-        stretches_.push_back({regime_, T_step_previous_, duration_s_});
+    if (stretches_.empty() || regime_ != before) begin_stretch(before, motion);
     duration_s_ += motion.duration_s;
     way_m_ += way_m;
     ++scans_;
     const bool due = !begun_ || is_due();
     begun_ = true;
     return due;
+}
+
+/// Where the regime changed; what the wheels show, they show of the whole motion since the scan before.
+void WideInterval::begin_stretch(Regime before, const ScanMotion& motion) {
+    const double at = motion.commanded && regime_ != before ? motion.commanded_at : 0;
+    if (stretches_.empty() && at > 0) stretches_.push_back({before, T_step_previous_, duration_s_});
+    stretches_.push_back(
+        {regime_, interpolate_se2(T_step_previous_, T_step_base_, at), duration_s_ + at * motion.duration_s});
 }
 
 bool WideInterval::is_due() const {
@@ -58,7 +67,7 @@ MotionPiece WideInterval::piece(Regime regime, WheelTravel travel) const {
 }
 
 Eigen::Matrix3d WideInterval::noise_on(const Pose2& motion, Regime regime) const {
-    const WheelTravel travel = wheel_travel(motion, drive_.track_width_m);
+    const WheelTravel travel = measured_travel(motion);
     const RegimeParameters& r = parameters_.regimes[static_cast<std::size_t>(regime)];
     DriveParameters moving = drive_;
     moving.sigma_rest_m = 0;
@@ -66,33 +75,46 @@ Eigen::Matrix3d WideInterval::noise_on(const Pose2& motion, Regime regime) const
     return J * travel_covariance(travel, moving, r.sigma_left_m, r.sigma_right_m) * J.transpose();
 }
 
+const WheelSpeed& WideInterval::commanded(Regime regime) const {
+    return parameters_.regimes[static_cast<std::size_t>(regime)].commanded;
+}
+
+WheelTravel WideInterval::measured_travel(const Pose2& T_old_new) const {
+    return wheel_travel(T_old_new, drive_.odometry_width_m());
+}
+
 std::vector<MotionPiece> WideInterval::pieces() const {
-    const bool measured = parameters_.control == IntervalParameters::Control::measured;
-    const auto commanded = [&](Regime regime) {
-        return parameters_.regimes[static_cast<std::size_t>(regime)].commanded;
-    };
     if (!parameters_.re_prediction) {
         // Eq. (3) over the whole interval, by the speeds when it began.
+        const bool measured = parameters_.control == IntervalParameters::Control::measured;
         const WheelSpeed& speed = measured ? speed_at_step_ : commanded(regime_at_step_);
         return {piece(regime_at_step_, travel_at(speed, duration_s_))};
     }
     std::vector<MotionPiece> pieces;
+    for (const DrivePiece& p : drive_pieces()) pieces.push_back(piece(p.regime, p.rolled));
+    return pieces;
+}
+
+std::vector<DrivePiece> WideInterval::drive_pieces() const {
+    std::vector<DrivePiece> pieces;
     for (std::size_t k = 0; k < stretches_.size(); ++k) {
         const Stretch& s = stretches_[k];
         const bool last = k + 1 == stretches_.size();
-        const Pose2 T_from_to =
-            s.T_step_from.inverse() * (last ? T_step_base_ : stretches_[k + 1].T_step_from);
-        const double until_s = last ? duration_s_ : stretches_[k + 1].from_s;
-        pieces.push_back(piece(s.regime, measured ? wheel_travel(T_from_to, drive_.track_width_m)
-                                                  : travel_at(commanded(s.regime), until_s - s.from_s)));
+        const Pose2& T_step_to = last ? T_step_base_ : stretches_[k + 1].T_step_from;
+        DrivePiece p;
+        p.regime = s.regime;
+        p.duration_s = (last ? duration_s_ : stretches_[k + 1].from_s) - s.from_s;
+        p.rolled = parameters_.control == IntervalParameters::Control::measured
+                       ? measured_travel(s.T_step_from.inverse() * T_step_to)
+                       : travel_at(commanded(s.regime), p.duration_s);
+        pieces.push_back(p);
     }
     return pieces;
 }
 
 void WideInterval::restart() {
     if (last_duration_s_ > 0) {
-        const WheelTravel last =
-            wheel_travel(T_step_previous_.inverse() * T_step_base_, drive_.track_width_m);
+        const WheelTravel last = measured_travel(T_step_previous_.inverse() * T_step_base_);
         speed_at_step_ = {last.left_m / last_duration_s_, last.right_m / last_duration_s_};
     }
     regime_at_step_ = regime_;

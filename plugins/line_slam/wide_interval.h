@@ -18,6 +18,7 @@ struct ScanMotion {
     Pose2 T_odom_base;                ///< by the wheels
     double duration_s = 0;            ///< since the scan before
     std::optional<Regime> commanded;  ///< where the log tells it
+    double commanded_at = 0;          ///< the part of the duration after which it was; 0: before
 };
 
 struct IntervalParameters {
@@ -33,6 +34,13 @@ struct IntervalParameters {
     Control control = Control::measured;
     bool re_prediction = true;
     Regimes regimes;
+};
+
+/// Motion under one regime, by the control alone: nothing is known of slip yet.
+struct DrivePiece {
+    Regime regime = Regime::straight;
+    WheelTravel rolled;
+    double duration_s = 0;
 };
 
 /// Collects scans until a step is due.
@@ -53,6 +61,9 @@ class WideInterval {
     /// at rest.
     Eigen::Matrix3d noise_on(const Pose2& motion, Regime regime) const;
 
+    /// What the control was from the last step to the latest scan, split at every change of the regime.
+    std::vector<DrivePiece> drive_pieces() const;
+
     /// By the wheels alone.
     const Pose2& T_step_base() const { return T_step_base_; }
     bool empty() const { return scans_ == 0; }
@@ -72,8 +83,11 @@ class WideInterval {
         Pose2 T_step_from;  ///< where it begins, by the wheels
         double from_s;      ///< and when, since the step
     };
+    void begin_stretch(Regime before, const ScanMotion& motion);
     bool is_due() const;
     MotionPiece piece(Regime regime, WheelTravel travel) const;
+    const WheelSpeed& commanded(Regime regime) const;
+    WheelTravel measured_travel(const Pose2& T_old_new) const;
 
     IntervalParameters parameters_;
     DriveParameters drive_;

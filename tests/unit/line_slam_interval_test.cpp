@@ -151,6 +151,44 @@ TEST(WideInterval, known_slip_shortens_the_travel_and_noise_is_of_the_regime) {
     EXPECT_NEAR(p.covariance(1, 1), 0.04 * outer_m + std::pow(v.drive.sigma_rest_m, 2), 1e-6);
 }
 
+TEST(WideInterval, what_the_control_was_is_split_like_the_prediction) {
+    for (const auto control :
+         {IntervalParameters::Control::measured, IntervalParameters::Control::commanded}) {
+        Vehicle v;
+        v.interval.control = control;
+        v.interval.re_prediction = false;  // which is about predictions
+        v.interval.regimes[1].slip_left = 0.5;
+        Course course(v);
+        for (int i = 0; i < 20; ++i) course.drive(Regime::straight);
+        course.wide.restart();
+        for (int i = 0; i < 20; ++i) course.drive(i < 6 || i >= 15 ? Regime::straight : Regime::left);
+        const auto pieces = course.wide.drive_pieces();
+        ASSERT_EQ(pieces.size(), 3u);
+        EXPECT_EQ(pieces[0].regime, Regime::straight);
+        EXPECT_EQ(pieces[1].regime, Regime::left);
+        EXPECT_NEAR(pieces[1].duration_s, 9 * scan_s, 1e-12);
+        EXPECT_NEAR(pieces[2].rolled.left_m, 5 * scan_s * straight_mps, 1e-9);
+        EXPECT_NEAR(pieces[1].rolled.left_m, 9 * scan_s * inner_mps, 1e-5) << "whatever is known of slip";
+        EXPECT_NEAR(pieces[1].rolled.right_m, 9 * scan_s * outer_mps, 1e-5);
+    }
+}
+
+TEST(WideInterval, odometry_of_another_track_width_tells_the_same_ways) {
+    Vehicle right, other;
+    other.drive.track_width_m = 0.5;
+    other.drive.odometry_track_width_m = right.drive.track_width_m;
+    Course a(right), b(other);
+    for (int i = 0; i < 20; ++i) {
+        const Pose2 motion = right.motion(Regime::left);  // as the computer on board reckons it
+        a.add(motion);
+        b.add(motion);
+    }
+    const WheelTravel by_right = a.wide.drive_pieces()[0].rolled, by_other = b.wide.drive_pieces()[0].rolled;
+    EXPECT_DOUBLE_EQ(by_right.left_m, by_other.left_m);
+    EXPECT_DOUBLE_EQ(by_right.right_m, by_other.right_m);
+    EXPECT_NEAR(other.predicted(b.wide).phi_rad, 0.4 / 0.5 * right.predicted(a.wide).phi_rad, 1e-12);
+}
+
 TEST(WideInterval, adaptive_steps_come_when_something_happens) {
     Vehicle v;
     v.interval.kind = IntervalParameters::Kind::adaptive;

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "commands/check_report.h"
+#include "commands/experiment_options.h"
 #include "commands/terminal.h"
 #include "pipeline/supervisor.h"
 
@@ -28,18 +29,10 @@ class CheckCommand : public Command {
     std::string name() const override { return "check"; }
     std::string sentence() const override { return "Checks a configuration and its data before a long run"; }
 
-    void declare(CLI::App& app) override {
-        app.add_option("config", config_, "The experiment's .ini file")->required()->type_name("CONFIG.ini");
-        app.add_option("--rawlog", rawlogs_, "Log to use instead of [run] rawlog; may be repeated")
-            ->type_name("FILE")
-            ->allow_extra_args(false);
-        app.add_option("--set", overrides_, "Override one key; may be repeated")
-            ->type_name("SECTION.KEY=VALUE")
-            ->allow_extra_args(false);
-    }
+    void declare(CLI::App& app) override { options_.declare(app); }
 
     ExitCode run() override {
-        const auto experiment = load_experiment(config_, overrides_, rawlogs_);
+        const auto experiment = options_.load();
         Supervision supervision;
         supervision.rawlogs = experiment.run.rawlogs;
         return static_cast<ExitCode>(supervise(
@@ -47,8 +40,7 @@ class CheckCommand : public Command {
     }
 
  private:
-    std::string config_;
-    std::vector<std::string> rawlogs_, overrides_;
+    ExperimentOptions options_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "commands/experiment_options.h"
 #include "pipeline/checkpoint.h"
 #include "pipeline/log_file.h"
 #include "pipeline/run.h"
@@ -48,15 +49,9 @@ class RunCommand : public Command {
     }
 
     void declare(CLI::App& app) override {
-        app.add_option("config", config_, "The experiment's .ini file")->required()->type_name("CONFIG.ini");
-        app.add_option("--rawlog", rawlogs_, "Log to use instead of [run] rawlog; may be repeated")
-            ->type_name("FILE")
-            ->allow_extra_args(false);
+        options_.declare(app);
         app.add_option("--out", folder_, "The run directory; runs/NAME for NAME.ini if it is not given")
             ->type_name("DIR");
-        app.add_option("--set", overrides_, "Override one key; may be repeated")
-            ->type_name("SECTION.KEY=VALUE")
-            ->allow_extra_args(false);
         app.add_option("--threads", threads_, "At most so many; the result does not depend on it")
             ->check(CLI::Range(1, 1024));
         app.add_flag("--resume", resume_, "Go on from the checkpoint in the run directory");
@@ -66,8 +61,9 @@ class RunCommand : public Command {
     ExitCode run() override {
         RunSetup setup;
         setup.start = std::chrono::steady_clock::now();
-        setup.experiment = load_experiment(config_, overrides_, rawlogs_);
-        setup.folder = folder_.empty() ? fs::path("runs") / fs::path(config_).stem() : fs::path(folder_);
+        setup.experiment = options_.load();
+        setup.folder =
+            folder_.empty() ? fs::path("runs") / fs::path(options_.config).stem() : fs::path(folder_);
         setup.threads = threads_;
         setup.quiet = quiet_;
         for (const auto& rawlog : setup.experiment.run.rawlogs) LogFile can_be_opened(rawlog);
@@ -76,19 +72,14 @@ class RunCommand : public Command {
         if (resume_) setup.checkpoint = std::make_shared<const Checkpoint>(setup.folder, setup.experiment);
         set_cost_so_far(setup);
 
-        Supervision supervision;
-        supervision.rawlogs = setup.experiment.run.rawlogs;
-        for (const auto& module : setup.experiment.modules)
-            supervision.module_names.push_back(module->info().name);
-        for (const auto& builder : setup.experiment.map_builders)
-            supervision.map_builder_names.push_back(builder->info().name);
-        return static_cast<ExitCode>(supervise(
-            supervision, [&setup](const Attempt& attempt) { return run_experiment(setup, attempt); }));
+        return static_cast<ExitCode>(
+            supervise(supervision_of(setup.experiment),
+                      [&setup](const Attempt& attempt) { return run_experiment(setup, attempt); }));
     }
 
  private:
-    std::string config_, folder_;
-    std::vector<std::string> rawlogs_, overrides_;
+    ExperimentOptions options_;
+    std::string folder_;
     int threads_ = 1;
     bool quiet_ = false, resume_ = false;
 };

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "commands/experiment_options.h"
 #include "output/output_file.h"
 #include "sweep/child_processes.h"
 #include "sweep/sweep_plan.h"
@@ -57,6 +58,7 @@ class SweepCommand : public Command {
                "for the time in all modules; may be repeated; errors, times and counts if it is not given")
             ->type_name("NAME")
             ->allow_extra_args(false);
+        declare_overlay(app, overlays_);
         app.add_option("--set", overrides_, "Override one key in all runs; may be repeated")
             ->type_name("SECTION.KEY=VALUE")
             ->allow_extra_args(false);
@@ -158,6 +160,7 @@ class SweepCommand : public Command {
                 for (const char* output : {"trajectory", "maps", "snapshots", "report"})
                     words.insert(words.end(), {"--set", std::string("outputs.") + output + "=false"});
                 words.insert(words.end(), log.arguments.begin(), log.arguments.end());
+                for (const auto& overlay : overlays_) words.insert(words.end(), {"--overlay", overlay});
                 for (const auto& assignment : overrides_) words.insert(words.end(), {"--set", assignment});
                 for (std::size_t i = 0; i < combination.size(); ++i)
                     words.insert(words.end(), {"--set", table.variations[i].key + "=" + combination[i]});
@@ -190,6 +193,7 @@ class SweepCommand : public Command {
         for (const auto& rawlog : rawlogs_) command += " --rawlog " + rawlog;
         if (!scenario_.empty()) command += " --scenario " + scenario_;
         if (!seeds_.empty()) command += " --seeds " + seeds_;
+        for (const auto& overlay : overlays_) command += " --overlay " + overlay;
         for (const auto& assignment : overrides_) command += " --set " + assignment;
         const std::string markdown = table.markdown();
         write_whole_file(folder / "sweep.md", "`" + command + "`\n\n" + markdown);
@@ -203,7 +207,7 @@ class SweepCommand : public Command {
     }
 
     std::string config_, folder_, scenario_, seeds_;
-    std::vector<std::string> vary_, rawlogs_, metrics_, overrides_;
+    std::vector<std::string> vary_, rawlogs_, metrics_, overlays_, overrides_;
     int jobs_ = 1;
     bool quiet_ = false;
 

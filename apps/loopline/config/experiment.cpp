@@ -16,12 +16,15 @@ namespace fs = std::filesystem;
 
 class Loader {
  public:
-    Loader(const std::string& path, const std::vector<std::string>& overrides) : file_(read_ini_file(path)) {
+    Loader(const std::string& path, const std::vector<std::string>& overlays,
+           const std::vector<std::string>& overrides)
+        : file_(read_ini_file(path)) {
         if (file_.sections.empty() && !file_.problems.empty()) throw ConfigurationError(file_.problems);
         if (const auto* section = file_.find("simulation"))
             throw ConfigurationError({{section->origin,
                                        "an experiment has no section [simulation]; this is a scenario, for "
                                        "`loopline simulate`"}});
+        for (const auto& overlay : overlays) apply_overlay(file_, read_ini_file(overlay));
         for (const auto& assignment : overrides) apply_override(file_, assignment);
         problems_ = file_.problems;
         experiment_.config_path = path;
@@ -201,9 +204,10 @@ class Loader {
 }  // namespace
 
 Experiment load_experiment(const std::string& config_path, const std::vector<std::string>& overrides,
-                           const std::vector<std::string>& rawlogs) {
+                           const std::vector<std::string>& rawlogs,
+                           const std::vector<std::string>& overlays) {
     load_plugins();
-    return Loader(config_path, overrides).load(rawlogs);
+    return Loader(config_path, overlays, overrides).load(rawlogs);
 }
 
 MapBuilder::Ptr fresh_map_builder(const MapBuilder& pattern) {

@@ -61,11 +61,14 @@ struct Experiment {
     std::string effective_ini;  ///< every key with its value, commented; reads back to the same experiment
 };
 
-/// Loads plugins, reads the file, applies `overrides` ("section.key=value") and `rawlogs` (instead of [run]
-/// rawlog if not empty). All problems are reported together, one sentence a line with file:line and the
-/// nearest known name, in one CommandError(exit_configuration).
+/// Loads plugins, reads the file, puts the keys of `overlays` (other .ini files) in the place of its own,
+/// applies `overrides` ("section.key=value") and `rawlogs` (instead of [run] rawlog if not empty). Relative
+/// paths are taken from the folder of `config_path` whichever file they stand in. All problems are reported
+/// together, one sentence a line with file:line and the nearest known name, in one
+/// CommandError(exit_configuration).
 Experiment load_experiment(const std::string& config_path, const std::vector<std::string>& overrides,
-                           const std::vector<std::string>& rawlogs);
+                           const std::vector<std::string>& rawlogs,
+                           const std::vector<std::string>& overlays = {});
 
 /// A new map builder with the same parameter values as `pattern`.
 MapBuilder::Ptr fresh_map_builder(const MapBuilder& pattern);

@@ -180,6 +180,24 @@ IniFile read_ini_file(const std::string& path, const std::vector<std::string>& r
     return parse_ini_text(text, path, repeatable);
 }
 
+void apply_overlay(IniFile& file, const IniFile& overlay) {
+    file.problems.insert(file.problems.end(), overlay.problems.begin(), overlay.problems.end());
+    for (const IniSection& over : overlay.sections) {
+        IniSection* section = file.find(over.name);
+        if (!section) {
+            file.sections.push_back(over);
+            continue;
+        }
+        auto& entries = section->entries;
+        const auto is_replaced = [&over](const IniEntry& entry) {
+            return std::any_of(over.entries.begin(), over.entries.end(),
+                               [&entry](const IniEntry& by) { return by.key == entry.key; });
+        };
+        entries.erase(std::remove_if(entries.begin(), entries.end(), is_replaced), entries.end());
+        entries.insert(entries.end(), over.entries.begin(), over.entries.end());
+    }
+}
+
 void apply_override(IniFile& file, const std::string& assignment) {
     const Origin origin{"--set " + assignment, 0};
     const std::size_t equals = std::min(assignment.find('='), assignment.size());

@@ -34,7 +34,7 @@ struct IniFile {
     std::string path;
     std::vector<IniSection> sections;
     std::vector<std::string> repeatable;  ///< "section.key": what may stand several times
-    std::vector<Problem> problems;  ///< what could not be understood, and what stands there twice
+    std::vector<Problem> problems;        ///< what could not be understood, and what stands there twice
 
     IniSection* find(const std::string& section);
 };
@@ -45,8 +45,12 @@ IniFile read_ini_file(const std::string& path, const std::vector<std::string>& r
 IniFile parse_ini_text(const std::string& text, const std::string& path,
                        const std::vector<std::string>& repeatable = {});
 
-/// `section.key=value` from the command line: replaces the entry (all of them, if the key stands several times), or
-/// adds it. The last one counts. What is wrong with its form goes to the file's problems.
+/// Every key of `overlay` takes the place of the same key, or is added. What is wrong with the overlay goes
+/// to the file's problems.
+void apply_overlay(IniFile& file, const IniFile& overlay);
+
+/// `section.key=value` from the command line: replaces the entry (all of them, if the key stands several
+/// times), or adds it. The last one counts. What is wrong with its form goes to the file's problems.
 void apply_override(IniFile& file, const std::string& assignment);
 
 /// The text of `key = value` from which `value` reads back: in quotes where it needs them.

@@ -3,9 +3,8 @@
 #include "config/ini_file.h"
 
 namespace loopline {
-namespace {
 
-std::string comment(const std::string& text) {
+std::string ini_comment(const std::string& text) {
     constexpr std::size_t width = 100;
     std::string lines, line = "#";
     for (const auto& word : split_words(text, " ")) {
@@ -17,8 +16,6 @@ std::string comment(const std::string& text) {
     }
     return lines + line + "\n";
 }
-
-}  // namespace
 
 std::string kind_text(ParameterKind kind) {
     switch (kind) {
@@ -53,9 +50,9 @@ std::string parameter_facts(const Parameter& parameter) {
 }
 
 std::string ini_section_text(const ParameterTable& table) {
-    std::string text = comment(table.sentence()) + "[" + table.section() + "]\n";
+    std::string text = ini_comment(table.sentence()) + "[" + table.section() + "]\n";
     for (const auto& parameter : table.parameters()) {
-        text += "\n" + comment(parameter.sentence + " (" + parameter_facts(parameter) + ")");
+        text += "\n" + ini_comment(parameter.sentence + " (" + parameter_facts(parameter) + ")");
         if (parameter.kind != ParameterKind::rows)
             text += ini_assignment(parameter.name, parameter.print()) + "\n";
         else

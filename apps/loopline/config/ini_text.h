@@ -8,6 +8,9 @@
 
 namespace loopline {
 
+/// `text` as lines of comment, wrapped.
+std::string ini_comment(const std::string& text);
+
 /// `[section]` and every key with its present value, under a comment with its sentence, unit, range and
 /// default.
 std::string ini_section_text(const ParameterTable& table);

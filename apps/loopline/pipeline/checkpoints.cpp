@@ -20,7 +20,7 @@ Checkpoints::Checkpoints(const RunSetup& setup, const Attempt& attempt, ModuleCh
     : setup_(setup),
       chain_(chain),
       recorder_(recorder),
-      possible_(modules_without_state(setup.experiment).empty()),
+      possible_(!setup.calibrates && modules_without_state(setup.experiment).empty()),
       every_items_(static_cast<std::uint64_t>(setup.experiment.run.checkpoint_items)) {
     if (setup.checkpoint && attempt.first()) {
         setup.checkpoint->restore(chain, recorder);
@@ -54,14 +54,14 @@ void Checkpoints::look_at_the_clock(std::uint64_t items) {
     if (missing_s <= 0)
         write(items);
     else
-        next_look_ =
-            Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(missing_s));
+        next_look_ = Clock::now() +
+                     std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(missing_s));
 }
 
 CheckpointHead Checkpoints::head(std::uint64_t items) {
     RunRecord cost;
     set_cost(cost, setup_);
-    return {build_of_this_program(), setup_.experiment.effective_ini, logs(), items,
+    return {build_of_this_program(),        setup_.experiment.effective_ini, logs(), items,
             cost.wall_s + earlier_wall_s(), cost.cpu_s + earlier_cpu_s()};
 }
 

@@ -124,7 +124,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     ModuleChain chain(experiment.modules, attempt.rules.state,
                       [&recorder](const StreamItem& item) { recorder.take(*item.observation); });
     Progress progress("estimating", !setup.quiet);
-    chain.start({setup.threads, experiment.run.seed});
+    chain.start({setup.threads, experiment.run.seed, setup.calibrates});
     Checkpoints checkpoints(setup, attempt, chain, recorder);
 
     const auto stop_requested = [&] {

@@ -18,17 +18,6 @@ double seconds(const timeval& time) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-/// What a user must know goes to stderr, quiet or not.
-void tell_problems(const RunRecord& record) {
-    for (const auto& sentence : record.warnings) std::cerr << "loopline: warning: " << sentence << '\n';
-    for (const auto& input : record.inputs)
-        if (!input.damage.empty()) std::cerr << "loopline: " << input.damage << '\n';
-    if (record.results.refused) std::cerr << "loopline: " << *record.results.refused << '\n';
-    if (record.status == "interrupted")
-        std::cerr << "loopline: interrupted; what was read until then is processed and saved"
-                  << (record.can_resume ? ", and --resume goes on from there" : "") << "\n";
-}
-
 void tell_result(const RunRecord& record, const std::filesystem::path& folder) {
     const double log_s = seconds_between(record.first_stamp_ns, record.last_stamp_ns);
     const double distance_m = record.trajectory != nullptr ? record.trajectory->length_m() : 0;
@@ -42,6 +31,16 @@ void tell_result(const RunRecord& record, const std::filesystem::path& folder) {
 }
 
 }  // namespace
+
+void tell_problems(const RunRecord& record) {
+    for (const auto& sentence : record.warnings) std::cerr << "loopline: warning: " << sentence << '\n';
+    for (const auto& input : record.inputs)
+        if (!input.damage.empty()) std::cerr << "loopline: " << input.damage << '\n';
+    if (record.results.refused) std::cerr << "loopline: " << *record.results.refused << '\n';
+    if (record.status == "interrupted")
+        std::cerr << "loopline: interrupted; what was read until then is processed and saved"
+                  << (record.can_resume ? ", and --resume goes on from there" : "") << "\n";
+}
 
 void set_cost(RunRecord& record, const RunSetup& setup) {
     rusage used{};

@@ -20,6 +20,7 @@ struct RunSetup {
     std::shared_ptr<const EvaluationReference> reference;
     int threads = 1;
     bool quiet = false;
+    bool calibrates = false;  ///< the run is for Results::calibrations, and leaves no checkpoint
     std::chrono::steady_clock::time_point start;
     /// Of loading the program and the experiment, before the worker began.
     double cpu_before_s = 0, peak_before_mb = 0;
@@ -30,6 +31,9 @@ struct RunSetup {
 /// Runs the experiment in this process and writes its results; returns the exit code. Throws CommandError if
 /// there is nothing to write: no observation, or none that a module needs.
 int run_experiment(const RunSetup& setup, const Attempt& attempt);
+
+/// What a user must know goes to stderr, quiet or not.
+void tell_problems(const RunRecord& record);
 
 /// Times and memory so far.
 void set_cost(RunRecord& record, const RunSetup& setup);

@@ -277,6 +277,15 @@ class Supervisor {
 
 }  // namespace
 
+Supervision supervision_of(const Experiment& experiment) {
+    Supervision supervision;
+    supervision.rawlogs = experiment.run.rawlogs;
+    for (const auto& module : experiment.modules) supervision.module_names.push_back(module->info().name);
+    for (const auto& builder : experiment.map_builders)
+        supervision.map_builder_names.push_back(builder->info().name);
+    return supervision;
+}
+
 int supervise(const Supervision& supervision, const std::function<int(const Attempt&)>& work) {
     return Supervisor(supervision, work).run();
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "config/experiment.h"
 #include "pipeline/read_guard.h"
 #include "pipeline/worker_state.h"
 
@@ -42,6 +43,8 @@ struct Supervision {
     /// count.
     std::chrono::milliseconds longest_read{20'000};
 };
+
+Supervision supervision_of(const Experiment& experiment);
 
 /// Runs `work` in a worker process and returns its exit code. SIGINT and SIGTERM set the state's
 /// stop_requested, a second one ends the worker at once (exit code 130). Exceptions that leave `work`: a
