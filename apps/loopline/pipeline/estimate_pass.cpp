@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "api/observation_class.h"
 #include "commands/command.h"
 #include "pipeline/checkpoints.h"
 #include "pipeline/log_source.h"
@@ -138,10 +139,9 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
         interrupted = stop_requested();
         if (interrupted || (attempt.stop_before_sequence && item.sequence >= *attempt.stop_before_sequence))
             break;
-        if (is_laser_scan(*item.observation)) scan_sequences.push_back(item.sequence);
+        if (source.facts().latest_is_scan()) scan_sequences.push_back(item.sequence);
         if (points)
-            if (const auto* scan =
-                    dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(item.observation.get()))
+            if (const auto* scan = as<mrpt::obs::CObservation2DRangeScan>(item.observation.get()))
                 points->take(*scan, item.stamp_ns, item.sequence);
         progress.tick(source);
         if (items < checkpoints.resumed_at()) continue;
