@@ -273,6 +273,7 @@ void LineSlam::step(const Scan& scan, Publisher& publisher) {
 /// As it was known at each time: by the filter at its steps, by the wheels since the last step between them,
 /// with the covariance of the step to come.
 void LineSlam::lay_out_trajectory() {
+    trajectory_.reserve(places_.size());
     Pose2 T_map_step;
     std::size_t steps = 0;
     for (const ScanPlace& place : places_) {

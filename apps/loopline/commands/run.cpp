@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "pipeline/checkpoint.h"
+#include "pipeline/large_pages.h"
 #include "pipeline/log_file.h"
 #include "pipeline/run.h"
 #include "pipeline/supervisor.h"
@@ -82,8 +83,10 @@ class RunCommand : public Command {
             supervision.module_names.push_back(module->info().name);
         for (const auto& builder : setup.experiment.map_builders)
             supervision.map_builder_names.push_back(builder->info().name);
-        return static_cast<ExitCode>(supervise(
-            supervision, [&setup](const Attempt& attempt) { return run_experiment(setup, attempt); }));
+        return static_cast<ExitCode>(supervise(supervision, [&setup](const Attempt& attempt) {
+            use_large_pages();
+            return run_experiment(setup, attempt);
+        }));
     }
 
  private:

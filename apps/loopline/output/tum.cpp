@@ -87,10 +87,10 @@ std::size_t write_tum(const std::filesystem::path& file, const Trajectory& traje
             continue;
         }
         out.seconds(entry.stamp_ns);
-        for (int i = 0; i < 3; ++i) out.text(" ").number(pose.translation_m[i]);
+        for (int i = 0; i < 3; ++i) out.character(' ').number(pose.translation_m[i]);
         for (int i = 0; i < 4; ++i)
-            out.text(" ").number(pose.rotation.coeffs()[i]);  // Eigen's order: x y z w
-        out.text("\n");
+            out.character(' ').number(pose.rotation.coeffs()[i]);  // Eigen's order: x y z w
+        out.character('\n');
     }
     out.commit();
     return left_out;
@@ -101,7 +101,9 @@ std::vector<StampedPose> read_tum(const std::filesystem::path& file) {
     if (!in || !std::filesystem::is_regular_file(file))
         throw CommandError(exit_input_data, "can't read the trajectory " + file.string() +
                                                 ": there is no such file; give one in TUM format");
+    constexpr std::uintmax_t short_line_bytes = 64;
     std::vector<StampedPose> poses;
+    poses.reserve(std::filesystem::file_size(file) / short_line_bytes + 1);
     std::string line, problem;
     std::vector<std::string_view> words;
     for (std::size_t number = 1; std::getline(in, line); ++number) {

@@ -39,6 +39,11 @@ void Checkpoints::schedule(double least_s) {
     due_s_ = cpu_time_s() + std::max(least_s, pause_s);
 }
 
+void Checkpoints::glance_at_the_clock(std::uint64_t items) {
+    latest_glance_ = chain_.latest_tick();
+    if (Clock::now() >= next_look_) look_at_the_clock(items);
+}
+
 void Checkpoints::look_at_the_clock(std::uint64_t items) {
     if (!began_) {
         began_ = true;
@@ -54,14 +59,14 @@ void Checkpoints::look_at_the_clock(std::uint64_t items) {
     if (missing_s <= 0)
         write(items);
     else
-        next_look_ =
-            Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(missing_s));
+        next_look_ = Clock::now() +
+                     std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(missing_s));
 }
 
 CheckpointHead Checkpoints::head(std::uint64_t items) {
     RunRecord cost;
     set_cost(cost, setup_);
-    return {build_of_this_program(), setup_.experiment.effective_ini, logs(), items,
+    return {build_of_this_program(),        setup_.experiment.effective_ini, logs(), items,
             cost.wall_s + earlier_wall_s(), cost.cpu_s + earlier_cpu_s()};
 }
 
