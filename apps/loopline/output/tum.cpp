@@ -23,7 +23,7 @@ std::optional<double> finite_number(const char* first, const char* last) {
 }
 
 /// Decimal text digit by digit; a stamp written with an exponent through a double.
-std::optional<StampNs> stamp_from_word(const std::string& word) {
+std::optional<StampNs> stamp_from_word(std::string_view word) {
     if (const auto stamp_ns = stamp_from_seconds_text(word)) return stamp_ns;
     const auto seconds = finite_number(word.data(), word.data() + word.size());
     if (!seconds || std::abs(*seconds) > 9e9) return std::nullopt;
@@ -34,12 +34,14 @@ std::optional<StampNs> stamp_from_word(const std::string& word) {
 void words_of(const std::string& line, std::vector<std::string_view>& words) {
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     words.clear();
-    const char *at = line.data(), *end = at + line.size();
-    while ((at = std::find_if_not(at, end, is_blank)) != end) {
-        const char* const last = std::find_if(at, end, is_blank);
-        words.emplace_back(at, static_cast<std::size_t>(last - at));
-        at = last;
+    const char* first = nullptr;  // of the word that stands open
+    for (const char& c : line) {
+        if (is_blank(c) == (first == nullptr)) continue;
+        if (first != nullptr) words.emplace_back(first, static_cast<std::size_t>(&c - first));
+        first = first == nullptr ? &c : nullptr;
     }
+    if (first != nullptr)
+        words.emplace_back(first, static_cast<std::size_t>(line.data() + line.size() - first));
 }
 
 /// The pose of a line, or what is wrong with it.
@@ -49,7 +51,7 @@ std::optional<StampedPose> parse(const std::vector<std::string_view>& words, std
             "has " + std::to_string(words.size()) + " columns instead of the 8 of \"t x y z qx qy qz qw\"";
         return std::nullopt;
     }
-    const auto stamp_ns = stamp_from_word(std::string(words[0]));
+    const auto stamp_ns = stamp_from_word(words[0]);
     if (!stamp_ns) {
         problem = "has no time in its first column: \"" + std::string(words[0]) + "\"";
         return std::nullopt;

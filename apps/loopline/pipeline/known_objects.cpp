@@ -100,17 +100,15 @@ mrpt::system::TTimeStamp next_time(Bytes& bytes) {
     return mrpt::Clock::time_point(mrpt::Clock::duration(bytes.next<std::int64_t>()));
 }
 
-/// Ranges and whether they are valid, of which nearly all are as a rule; false if a validity is no flag.
+/// Ranges and whether they are valid; false if a validity is no flag.
 bool read_ranges(CObservation2DRangeScan& scan, std::size_t beams, const unsigned char* ranges,
-                 const unsigned char* validity) {
-    if (std::any_of(validity, validity + beams, [](unsigned char flag) { return flag > 1; })) return false;
-    scan.resizeScanAndAssign(beams, 0, true);
-    std::memcpy(&scan.getScanRange(0), ranges, beams * sizeof(float));
-    for (const unsigned char *at = validity, *end = validity + beams;
-         (at = static_cast<const unsigned char*>(std::memchr(at, 0, static_cast<std::size_t>(end - at)))) !=
-         nullptr;
-         ++at)
-        scan.setScanRangeValidity(static_cast<std::size_t>(at - validity), false);
+                 const unsigned char* validity, std::vector<float>& ranges_m) {
+    unsigned char all = 0;
+    for (std::size_t i = 0; i < beams; ++i) all |= validity[i];
+    if (all > 1) return false;
+    ranges_m.resize(beams);
+    std::memcpy(ranges_m.data(), ranges, beams * sizeof(float));  // in the file they stand anywhere
+    scan.loadFromVectors(beams, ranges_m.data(), reinterpret_cast<const char*>(validity));
     return true;
 }
 
@@ -122,7 +120,7 @@ constexpr std::uint32_t most_beams = 1 << 15, longest_label = 1 << 12;
 
 /// Behind the head. 0: not as MRPT writes it, or with intensities; else the size of the object, which is
 /// `scan` if it was there in full.
-std::size_t read_scan(Bytes bytes, CObservation2DRangeScan& scan) {
+std::size_t read_scan(Bytes bytes, CObservation2DRangeScan& scan, std::vector<float>& ranges_m) {
     if (!bytes.has(scan_front_bytes)) return bytes.passed() + scan_front_bytes;
     scan.aperture = bytes.next<float>();
     if (!bytes.next_flag(scan.rightToLeft)) return 0;
@@ -135,7 +133,7 @@ std::size_t read_scan(Bytes bytes, CObservation2DRangeScan& scan) {
     if (!bytes.has(to_label)) return bytes.passed() + to_label;
     const unsigned char* const ranges = bytes.take(beams * sizeof(float));
     const unsigned char* const validity = bytes.take(beams);
-    if (!read_ranges(scan, beams, ranges, validity)) return 0;
+    if (!read_ranges(scan, beams, ranges, validity, ranges_m)) return 0;
     scan.stdError = bytes.next<float>();
     scan.timestamp = next_time(bytes);
     scan.beamAperture = bytes.next<float>();
@@ -196,7 +194,7 @@ KnownObjects::Reading KnownObjects::read(const unsigned char* bytes, std::size_t
     Bytes as_scan(bytes, size), as_odometry(bytes, size);
     if (as_scan.next_is_head(scan_class, scan_version)) {
         const auto scan = free_scan();
-        return reading(scan, read_scan(as_scan, *scan));
+        return reading(scan, read_scan(as_scan, *scan, ranges_m_));
     }
     if (as_odometry.next_is_head(odometry_class, odometry_version)) {
         const auto odometry = odometry_.take();

@@ -10,6 +10,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 
 #include <cstddef>
+#include <vector>
 
 #include "api/observation_pool.h"
 
@@ -27,6 +28,7 @@ class KnownObjects {
  private:
     mrpt::obs::CObservation2DRangeScan::Ptr free_scan();
 
+    std::vector<float> ranges_m_;  ///< of the scan at work
     // Modules look back at a handful of scans.
     ObservationPool<mrpt::obs::CObservation2DRangeScan, 16> scans_;
     ObservationPool<mrpt::obs::CObservationOdometry, 16> odometry_;

@@ -32,8 +32,11 @@ bool is_possible(float range_m) {
 void invalidate_impossible_ranges(CObservation2DRangeScan& scan) {
     const std::size_t beams = scan.getScanSize();
     const float* const ranges_m = &scan.getScanRange(0);  // one checked call for all beams
-    for (std::size_t i = 0; i < beams; ++i) {
+    unsigned impossible = 0;  // counted without a branch, which compilers do for several beams at once
+    for (std::size_t i = 0; i < beams; ++i) impossible += is_possible(ranges_m[i]) ? 0U : 1U;
+    for (std::size_t i = 0; impossible > 0; ++i) {
         if (is_possible(ranges_m[i])) continue;
+        --impossible;
         scan.setScanRange(i, 0);
         scan.setScanRangeValidity(i, false);
     }
