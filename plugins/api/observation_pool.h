@@ -9,7 +9,7 @@
 namespace loopline {
 
 /// Hands out objects that nobody else holds any more, and new ones as long as there are none.
-template <typename Observation>
+template <typename Observation, std::size_t size = 4>
 class ObservationPool {
  public:
     /// With what its last user left in it: every field is to be set.
@@ -23,7 +23,7 @@ class ObservationPool {
     }
 
  private:
-    std::array<std::shared_ptr<Observation>, 4> pool_;
+    std::array<std::shared_ptr<Observation>, size> pool_;
     std::size_t next_ = 0;
 };
 

@@ -29,7 +29,8 @@ mrpt::Clock::time_point stamp_to_mrpt(StampNs stamp_ns) {
 
 std::string seconds_text(StampNs stamp_ns) {
     const bool negative = stamp_ns < 0;
-    const auto magnitude = negative ? 0 - static_cast<std::uint64_t>(stamp_ns) : static_cast<std::uint64_t>(stamp_ns);
+    const auto magnitude =
+        negative ? 0 - static_cast<std::uint64_t>(stamp_ns) : static_cast<std::uint64_t>(stamp_ns);
     std::array<char, 40> text{};
     std::snprintf(text.data(), text.size(), "%s%llu.%09llu", negative ? "-" : "",
                   static_cast<unsigned long long>(magnitude / nanoseconds_per_second),
@@ -37,7 +38,7 @@ std::string seconds_text(StampNs stamp_ns) {
     return text.data();
 }
 
-std::optional<StampNs> stamp_from_seconds_text(const std::string& seconds) {
+std::optional<StampNs> stamp_from_seconds_text(std::string_view seconds) {
     std::size_t i = 0;
     const bool negative = !seconds.empty() && seconds[0] == '-';
     if (negative) ++i;

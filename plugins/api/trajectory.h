@@ -10,22 +10,27 @@
 
 namespace loopline {
 
-/// One pose of a trajectory. Covariances are of (x y z roll pitch yaw), in m and rad, MRPT's order for a CPose3DPDF
-/// being (x y z yaw pitch roll): convert at the boundary only.
+/// One pose of a trajectory. Covariances are of (x y z roll pitch yaw), in m and rad, MRPT's order for a
+/// CPose3DPDF being (x y z yaw pitch roll): convert at the boundary only.
 struct TrajectoryEntry {
-    std::uint64_t sequence = 0;  ///< of the observation that this pose belongs to (its place in the merged log)
+    std::uint64_t sequence =
+        0;  ///< of the observation that this pose belongs to (its place in the merged log)
     StampNs stamp_ns = 0;
-    Pose3 T_map_base;                             ///< the latest revision
-    Matrix6d covariance = Matrix6d::Zero();       ///< of the latest revision
-    Pose3 T_map_base_online;                      ///< what was known at `stamp_ns`, before any later revision
+    Pose3 T_map_base;                        ///< the latest revision
+    Matrix6d covariance = Matrix6d::Zero();  ///< of the latest revision
+    Pose3 T_map_base_online;                 ///< what was known at `stamp_ns`, before any later revision
 };
 
-/// Poses in log order. In some logs stamps go backwards while file order is right, so `sequence` is the key and the
-/// stamp only serves for interpolation between neighbours in that order.
+/// Poses in log order. In some logs stamps go backwards while file order is right, so `sequence` is the key
+/// and the stamp only serves for interpolation between neighbours in that order.
 class Trajectory {
-   public:
-    /// Adds a pose for a later observation than the last one. Online and latest estimate are the same at first.
-    void append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base, const Matrix6d& covariance);
+ public:
+    /// Makes room for so many poses: without it, each doubling touches all of the memory again.
+    void reserve(std::size_t poses) { entries_.reserve(poses); }
+    /// Adds a pose for a later observation than the last one. Online and latest estimate are the same at
+    /// first.
+    void append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base,
+                const Matrix6d& covariance);
 
     /// Replaces the last entry, its online estimate too: what was known at the time is known only now.
     void replace_last(const Pose3& T_map_base, const Matrix6d& covariance);
@@ -48,14 +53,14 @@ class Trajectory {
     /// `hint_sequence`; `nullopt` outside of the trajectory.
     std::optional<std::size_t> enclosing(StampNs stamp_ns, std::uint64_t hint_sequence) const;
 
-    /// Latest pose at a time, interpolated at constant twist between the two neighbours of enclosing(); `nullopt`
-    /// outside of the trajectory. For many times one after the other: PathSampler.
+    /// Latest pose at a time, interpolated at constant twist between the two neighbours of enclosing();
+    /// `nullopt` outside of the trajectory. For many times one after the other: PathSampler.
     std::optional<Pose3> pose_at(StampNs stamp_ns, std::uint64_t hint_sequence) const;
 
     /// Length of the latest path, in metres.
     double length_m() const;
 
-   private:
+ private:
     std::vector<TrajectoryEntry> entries_;
     std::uint64_t revision_ = 0;
 };

@@ -54,7 +54,7 @@ class Words {
 
     StampNs time(const char* what) {
         const std::string_view word = next(what);
-        if (const auto stamp_ns = stamp_from_seconds_text(std::string(word))) return *stamp_ns;
+        if (const auto stamp_ns = stamp_from_seconds_text(word)) return *stamp_ns;
         if (const auto seconds = number_from_text(std::string(word)); seconds && std::abs(*seconds) < 9e9)
             return static_cast<StampNs>(std::llround(*seconds * 1e9));
         throw Damage(std::string("has a ") + what + " that is no time in seconds");

@@ -311,6 +311,7 @@ void LineSlam::step(const Scan& scan, Publisher& publisher) {
 
 /// As it was known at each time: by the filter at its steps, by the wheels since the last step between them.
 void LineSlam::lay_out_trajectory() {
+    trajectory_.reserve(places_.size());
     StepPose step{Pose2{}, Eigen::Matrix3d::Zero()};
     std::size_t steps = 0;
     for (const ScanPlace& place : places_) {

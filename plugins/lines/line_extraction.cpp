@@ -1,11 +1,11 @@
 #include "lines/line_extraction.h"
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
-
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
 
+#include "api/observation_class.h"
 #include "lines/observation_lines.h"
 
 namespace loopline {
@@ -70,7 +70,7 @@ bool LineExtraction::wanted(const std::string& sensor_label) const {
 
 void LineExtraction::process(const StreamItem& item, Publisher& publisher) {
     if (!wanted(item.observation->sensorLabel)) return;
-    const auto scan = std::dynamic_pointer_cast<const mrpt::obs::CObservation2DRangeScan>(item.observation);
+    const auto scan = as<const mrpt::obs::CObservation2DRangeScan>(item.observation);
     if (!scan) return;
     if (!is_usable(*scan)) {
         ++unusable_scans_;
@@ -78,14 +78,19 @@ void LineExtraction::process(const StreamItem& item, Publisher& publisher) {
     }
     const auto found = pool_.take();
     found->timestamp = scan->timestamp;
-    found->sensorLabel = label_;
-    if (!scan->sensorLabel.empty()) found->sensorLabel.append("_").append(scan->sensorLabel);
+    if (found->scan_label != scan->sensorLabel || found->sensorLabel.empty())
+        label(*found, scan->sensorLabel);
     found->sensor_pose = scan->sensorPose;
-    found->scan_label = scan->sensorLabel;
     found->scan_beams = scan->getScanSize();
     found->set_source(*this, scan);
     ++scans_;
     publisher.publish(found);
+}
+
+void LineExtraction::label(CObservationLines& lines, const std::string& scan_label) const {
+    lines.scan_label = scan_label;
+    lines.sensorLabel = label_;
+    if (!scan_label.empty()) lines.sensorLabel.append("_").append(scan_label);
 }
 
 void LineExtraction::extract(const mrpt::obs::CObservation2DRangeScan& scan, lines::LineSegments& segments) {

@@ -29,6 +29,7 @@ class LineExtraction : public Module, private LineSource {
 
  private:
     bool wanted(const std::string& sensor_label) const;
+    void label(CObservationLines& lines, const std::string& scan_label) const;
     void extract(const mrpt::obs::CObservation2DRangeScan& scan, lines::LineSegments& segments) override;
 
     lines::ExtractionParameters extraction_;

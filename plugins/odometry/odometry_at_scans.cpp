@@ -56,7 +56,7 @@ std::optional<PlacedScan> OdometryAtScans::next_at_end() {
     return placed;
 }
 
-std::optional<PlacedScan> OdometryAtScans::place(const WaitingScan& scan) const {
+std::optional<PlacedScan> OdometryAtScans::place(const WaitingScan& scan) {
     if (samples_.empty()) return std::nullopt;
     // In logs of action/frame format the sample just before the scan has the scan's own stamp: nothing to
     // wait for.
@@ -88,7 +88,7 @@ bool OdometryAtScans::may_still_be_enclosed(const WaitingScan& scan) const {
 }
 
 /// At the part `u` of the way from sample `first` to the next one, which may not exist if u = 0.
-PlacedScan OdometryAtScans::on_segment(const WaitingScan& scan, std::ptrdiff_t first, double u) const {
+PlacedScan OdometryAtScans::on_segment(const WaitingScan& scan, std::ptrdiff_t first, double u) {
     const OdometrySample& a = sample(first);
     PlacedScan placed;
     placed.scan = scan.scan;
@@ -97,10 +97,9 @@ PlacedScan OdometryAtScans::on_segment(const WaitingScan& scan, std::ptrdiff_t f
     if (first + 1 >= end()) return placed;
 
     const OdometrySample& b = sample(first + 1);
-    const Twist2 motion = log_se2(a.T_odom_base.inverse() * b.T_odom_base);
-    const double duration_s = seconds_between(a.stamp_ns, b.stamp_ns);
-    if (duration_s >= shortest_for_velocity_s) placed.velocity = motion * (1 / duration_s);
-    placed.T_odom_base = u == 1 ? b.T_odom_base : a.T_odom_base * exp_se2(motion * u);
+    const Segment& segment = segment_from(first);
+    placed.velocity = segment.velocity;
+    placed.T_odom_base = u == 1 ? b.T_odom_base : a.T_odom_base * exp_se2(segment.motion * u);
     placed.ticks.reset();
     if (a.ticks && b.ticks)
         placed.ticks =
@@ -108,13 +107,24 @@ PlacedScan OdometryAtScans::on_segment(const WaitingScan& scan, std::ptrdiff_t f
     return placed;
 }
 
+const OdometryAtScans::Segment& OdometryAtScans::segment_from(std::ptrdiff_t first) {
+    if (segment_.first == first) return segment_;
+    const auto &a = sample(first), &b = sample(first + 1);
+    segment_.first = first;
+    segment_.motion = log_se2(a.T_odom_base.inverse() * b.T_odom_base);
+    segment_.velocity.reset();
+    const double duration_s = seconds_between(a.stamp_ns, b.stamp_ns);
+    if (duration_s >= shortest_for_velocity_s) segment_.velocity = segment_.motion * (1 / duration_s);
+    return segment_;
+}
+
 /// With the velocity at which the sample was reached.
-PlacedScan OdometryAtScans::at_sample(const WaitingScan& scan, std::ptrdiff_t index) const {
+PlacedScan OdometryAtScans::at_sample(const WaitingScan& scan, std::ptrdiff_t index) {
     return index > begin() ? on_segment(scan, index - 1, 1) : on_segment(scan, index, 0);
 }
 
 /// At whichever of the samples just before and just after it in the log has the nearer stamp.
-PlacedScan OdometryAtScans::at_file_neighbour(const WaitingScan& scan) const {
+PlacedScan OdometryAtScans::at_file_neighbour(const WaitingScan& scan) {
     const std::ptrdiff_t before = std::clamp(scan.before, begin(), end() - 1);
     const std::ptrdiff_t after = std::clamp(scan.before + 1, begin(), end() - 1);
     const double to_before_s = distance_s(sample(before).stamp_ns, scan.stamp_ns);

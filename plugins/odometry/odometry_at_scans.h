@@ -67,10 +67,18 @@ class OdometryAtScans {
                                 ///< log; -1: none
     };
 
-    std::optional<PlacedScan> place(const WaitingScan& scan) const;
-    PlacedScan on_segment(const WaitingScan& scan, std::ptrdiff_t first, double u) const;
-    PlacedScan at_sample(const WaitingScan& scan, std::ptrdiff_t index) const;
-    PlacedScan at_file_neighbour(const WaitingScan& scan) const;
+    /// The motion from a sample to the next one, on which several scans lie as a rule.
+    struct Segment {
+        std::ptrdiff_t first = -1;  ///< of the two samples; -1: none yet
+        Twist2 motion;
+        std::optional<Twist2> velocity;  ///< none if the two are at about the same time
+    };
+
+    std::optional<PlacedScan> place(const WaitingScan& scan);
+    PlacedScan on_segment(const WaitingScan& scan, std::ptrdiff_t first, double u);
+    PlacedScan at_sample(const WaitingScan& scan, std::ptrdiff_t index);
+    PlacedScan at_file_neighbour(const WaitingScan& scan);
+    const Segment& segment_from(std::ptrdiff_t first);
     bool may_still_be_enclosed(const WaitingScan& scan) const;
     void forget_old_samples();
 
@@ -84,6 +92,7 @@ class OdometryAtScans {
     std::deque<OdometrySample> samples_;
     std::ptrdiff_t forgotten_ = 0;
     std::deque<WaitingScan> scans_;
+    Segment segment_;  ///< the latest one in use
 };
 
 }  // namespace loopline

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/observation_class.h"
+
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(Odometry, Module, loopline)
 
@@ -78,9 +80,9 @@ void Odometry::start(const RunContext&) {
 
 void Odometry::process(const StreamItem& item, Publisher& publisher) {
     const auto* observation = item.observation.get();
-    if (const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(observation)) {
+    if (const auto* odometry = as<mrpt::obs::CObservationOdometry>(observation)) {
         take_odometry(*odometry, item.stamp_ns);
-    } else if (dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(observation) &&
+    } else if (as<mrpt::obs::CObservation2DRangeScan>(observation) &&
                (scan_labels_.empty() || std::find(scan_labels_.begin(), scan_labels_.end(),
                                                   observation->sensorLabel) != scan_labels_.end())) {
         at_scans_.add_scan(item.sequence, item.stamp_ns);
@@ -161,6 +163,7 @@ void Odometry::publish(const PlacedScan& placed, Publisher& publisher) {
 
 void Odometry::lay_out_trajectory() {
     if (path_.empty()) return;
+    trajectory_.reserve(path_.size());
     const Pose2 T_map_odom = path_.front().T_odom_base.inverse();
     Pose2 T_map_previous;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

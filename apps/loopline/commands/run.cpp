@@ -9,6 +9,7 @@
 
 #include "commands/experiment_options.h"
 #include "pipeline/checkpoint.h"
+#include "pipeline/large_pages.h"
 #include "pipeline/log_file.h"
 #include "pipeline/run.h"
 #include "pipeline/supervisor.h"
@@ -73,8 +74,10 @@ class RunCommand : public Command {
         set_cost_so_far(setup);
 
         return static_cast<ExitCode>(
-            supervise(supervision_of(setup.experiment),
-                      [&setup](const Attempt& attempt) { return run_experiment(setup, attempt); }));
+            supervise(supervision_of(setup.experiment), [&setup](const Attempt& attempt) {
+                use_large_pages();
+                return run_experiment(setup, attempt);
+            }));
     }
 
  private:

@@ -1,6 +1,7 @@
 #include "config/ini_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -170,10 +171,11 @@ IniFile read_ini_file(const std::string& path, const std::vector<std::string>& r
     if (!stream)
         return unreadable(errno == ENOENT ? "there is no such file"
                                           : std::string("can't be read: ") + std::strerror(errno));
-    std::string text(largest_file_bytes + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    std::string text;
+    std::array<char, 4096> part{};
+    while (text.size() <= largest_file_bytes && (stream.read(part.data(), part.size()), stream.gcount() > 0))
+        text.append(part.data(), static_cast<std::size_t>(stream.gcount()));
     if (stream.bad()) return unreadable("can't be read to its end");
-    text.resize(static_cast<std::size_t>(stream.gcount()));
     if (text.size() > largest_file_bytes && text.find('\0') == std::string::npos)
         return unreadable(
             "this is longer than 4 MB, which no .ini file is; give the .ini, and the log by --rawlog");

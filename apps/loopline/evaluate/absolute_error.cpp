@@ -61,6 +61,7 @@ AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment align
     if (alignment == Alignment::automatic)
         alignment = is_planar(pairs) ? Alignment::planar : Alignment::spatial;
     error.alignment = alignment;
+    error.distances_m.reserve(pairs.size());
     if (alignment == Alignment::planar) error.T_ref_map = align_planar(pairs);
     if (alignment == Alignment::spatial) error.T_ref_map = align_spatial(pairs);
     for (const auto& pair : pairs) {

@@ -7,11 +7,16 @@ namespace loopline {
 
 std::vector<PosePair> associate_by_stamp(const std::vector<StampedPose>& estimate,
                                          const std::vector<StampedPose>& reference, double max_difference_s) {
-    std::vector<StampedPose> sorted = reference;
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [](const auto& a, const auto& b) { return a.stamp_ns < b.stamp_ns; });
+    const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; };
+    std::vector<StampedPose> sorted_copy;
+    if (!std::is_sorted(reference.begin(), reference.end(), earlier)) {
+        sorted_copy = reference;
+        std::stable_sort(sorted_copy.begin(), sorted_copy.end(), earlier);
+    }
+    const std::vector<StampedPose>& sorted = sorted_copy.empty() ? reference : sorted_copy;
 
     std::vector<PosePair> pairs;
+    pairs.reserve(estimate.size());
     for (std::size_t i = 0; i < estimate.size(); ++i) {
         const StampNs stamp_ns = estimate[i].stamp_ns;
         const auto difference_s = [stamp_ns](const StampedPose& p) {

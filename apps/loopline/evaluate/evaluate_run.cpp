@@ -19,6 +19,8 @@ struct FinitePoses {
 
 FinitePoses latest_estimate(const Trajectory& trajectory) {
     FinitePoses estimate;
+    estimate.poses.reserve(trajectory.size());
+    estimate.entry.reserve(trajectory.size());
     for (const auto& entry : trajectory.entries()) {
         if (!entry.T_map_base.translation_m.allFinite() || !entry.T_map_base.rotation.coeffs().allFinite())
             continue;

@@ -28,6 +28,12 @@ struct EvaluationReference {
     double scan_duration_s = 0;
 };
 
+/// The truth of a reference, which lives as long as this does.
+inline std::shared_ptr<const std::vector<StampedPose>> truth_of(
+    const std::shared_ptr<const EvaluationReference>& reference) {
+    return {reference, &reference->truth};
+}
+
 /// Reads the files of [evaluation]: call it before the run, so that a file that can't be used is known early.
 /// Null if there are none. Throws CommandError(exit_input_data), one sentence with file:line.
 std::shared_ptr<const EvaluationReference> load_evaluation_reference(const EvaluationSettings& settings);

@@ -12,35 +12,58 @@ namespace {
 constexpr double longest_gap_s = 1;
 constexpr double pass_m = 5, pass_factor = 1.5;
 
+bool earlier(const StampedPose& a, const StampedPose& b) {
+    return a.stamp_ns < b.stamp_ns;
+}
+
+bool in_order_of_stamps(const std::vector<StampedPose>& poses) {
+    return std::is_sorted(poses.begin(), poses.end(), earlier);
+}
+
 }  // namespace
 
-TruePath::TruePath(std::vector<StampedPose> poses) : poses_(std::move(poses)) {
-    std::stable_sort(poses_.begin(), poses_.end(),
-                     [](const auto& a, const auto& b) { return a.stamp_ns < b.stamp_ns; });
+TruePath::TruePath(std::vector<StampedPose> poses) {
+    if (!in_order_of_stamps(poses)) std::stable_sort(poses.begin(), poses.end(), earlier);
+    poses_ = std::make_shared<const std::vector<StampedPose>>(std::move(poses));
+}
+
+TruePath TruePath::sharing(std::shared_ptr<const std::vector<StampedPose>> poses) {
+    if (!in_order_of_stamps(*poses)) return TruePath(*poses);
+    TruePath path;
+    path.poses_ = std::move(poses);
+    return path;
+}
+
+const ScrewSegment& TruePath::segment_to(std::size_t right) {
+    Segment& segment = right % 2 == 0 ? even_ : odd_;
+    if (segment.right != right) {
+        const StampedPose &a = poses()[right - 1], &b = poses()[right];
+        segment = {right, ScrewSegment(a.stamp_ns, a.T_map_base, b.stamp_ns, b.T_map_base)};
+    }
+    return segment.screw;
 }
 
 std::optional<Pose3> TruePath::at(StampNs stamp_ns) {
+    const auto& poses = *poses_;
     const auto encloses = [&](std::size_t right) {
-        return right > 0 && right < poses_.size() && poses_[right - 1].stamp_ns <= stamp_ns &&
-               stamp_ns <= poses_[right].stamp_ns;
+        return right > 0 && right < poses.size() && poses[right - 1].stamp_ns <= stamp_ns &&
+               stamp_ns <= poses[right].stamp_ns;
     };
     if (!encloses(right_)) {
         if (encloses(right_ + 1)) {
             ++right_;
         } else {
             const auto found =
-                std::lower_bound(poses_.begin(), poses_.end(), stamp_ns,
+                std::lower_bound(poses.begin(), poses.end(), stamp_ns,
                                  [](const auto& pose, StampNs s) { return pose.stamp_ns < s; });
-            const auto index = std::max<std::ptrdiff_t>(1, found - poses_.begin());
+            const auto index = std::max<std::ptrdiff_t>(1, found - poses.begin());
             if (!encloses(static_cast<std::size_t>(index))) return std::nullopt;
             right_ = static_cast<std::size_t>(index);
         }
-        const StampedPose &a = poses_[right_ - 1], &b = poses_[right_];
-        segment_ = ScrewSegment(a.stamp_ns, a.T_map_base, b.stamp_ns, b.T_map_base);
     }
-    if (seconds_between(poses_[right_ - 1].stamp_ns, poses_[right_].stamp_ns) > longest_gap_s)
+    if (seconds_between(poses[right_ - 1].stamp_ns, poses[right_].stamp_ns) > longest_gap_s)
         return std::nullopt;
-    return segment_.at(stamp_ns);
+    return segment_to(right_).at(stamp_ns);
 }
 
 std::optional<Pose3> map_from_truth(const Trajectory& estimate, TruePath& truth) {
@@ -50,8 +73,7 @@ std::optional<Pose3> map_from_truth(const Trajectory& estimate, TruePath& truth)
     return std::nullopt;
 }
 
-FeaturePointHits::FeaturePointHits(std::vector<FeaturePoint> points, std::vector<StampedPose> truth,
-                                   double scan_duration_s)
+FeaturePointHits::FeaturePointHits(std::vector<FeaturePoint> points, TruePath truth, double scan_duration_s)
     : truth_(std::move(truth)), scan_duration_s_(scan_duration_s) {
     for (const FeaturePoint& point : points) {
         watched_.push_back({point, {}, {}});
@@ -81,11 +103,14 @@ void FeaturePointHits::find_passes(Watched& watched) const {
 
 bool FeaturePointHits::is_level(const mrpt::obs::CObservation2DRangeScan& scan) {
     constexpr double tolerance_rad = 2 * M_PI / 180;
-    const auto place = is_level_.emplace(scan.sensorLabel, true).first;
-    if (place->second)
-        place->second = std::abs(scan.sensorPose.pitch()) < tolerance_rad &&
-                        std::abs(std::remainder(scan.sensorPose.roll(), M_PI)) < tolerance_rad;
-    return place->second;
+    Level& level = levels_[scan.sensorLabel];
+    const auto& rotation = scan.sensorPose.getRotationMatrix();
+    if (level.yes && !std::equal(rotation.begin(), rotation.end(), level.rotation.begin())) {
+        level.rotation = rotation;
+        level.yes = std::abs(scan.sensorPose.pitch()) < tolerance_rad &&
+                    std::abs(std::remainder(scan.sensorPose.roll(), M_PI)) < tolerance_rad;
+    }
+    return level.yes;
 }
 
 void FeaturePointHits::take(const mrpt::obs::CObservation2DRangeScan& scan, StampNs stamp_ns,
@@ -136,8 +161,7 @@ void FeaturePointHits::look_for(Watched& watched, std::size_t pass,
         const Eigen::Vector3d p_base =
             T_base_sensor * Eigen::Vector3d(range_m * std::cos(angle), range_m * std::sin(angle), 0);
         if (((*T_truth_at_beam * p_base).head<2>() - point_m).norm() <= hit_radius_m)
-            watched.hits.push_back(
-                {sequence, time_ns, p_base, pass, &is_level_.find(scan.sensorLabel)->first});
+            watched.hits.push_back({sequence, time_ns, p_base, pass, &levels_.find(scan.sensorLabel)->first});
     }
 }
 
@@ -147,7 +171,7 @@ std::vector<FeaturePointHits::Hit> FeaturePointHits::hits_of_closest_pass(const 
     for (std::size_t pass = 0; pass < watched.passes.size(); ++pass) {
         std::vector<Hit> of_pass;
         std::copy_if(watched.hits.begin(), watched.hits.end(), std::back_inserter(of_pass),
-                     [&](const Hit& hit) { return hit.pass == pass && is_level_.at(*hit.sensor); });
+                     [&](const Hit& hit) { return hit.pass == pass && levels_.at(*hit.sensor).yes; });
         if (of_pass.empty() || watched.passes[pass].least_m >= least_m) continue;
         least_m = watched.passes[pass].least_m;
         hits = std::move(of_pass);

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,16 +46,27 @@ struct PointEstimate {
 /// A true path, interpolated at constant twist.
 class TruePath {
  public:
-    explicit TruePath(std::vector<StampedPose> poses);
+    /// Poses in any order.
+    TruePath(std::vector<StampedPose> poses);
+    /// The same without a copy, if they are in order.
+    static TruePath sharing(std::shared_ptr<const std::vector<StampedPose>> poses);
 
     /// `nullopt` outside of the path and in gaps of more than a second. Quick for times in order.
     std::optional<Pose3> at(StampNs stamp_ns);
-    const std::vector<StampedPose>& poses() const { return poses_; }  ///< in the order of their stamps
+    const std::vector<StampedPose>& poses() const { return *poses_; }  ///< in the order of their stamps
 
  private:
-    std::vector<StampedPose> poses_;
+    TruePath() = default;
+    /// Between a pose and the one before it.
+    struct Segment {
+        std::size_t right = 0;  ///< of the two; 0: none yet
+        ScrewSegment screw;
+    };
+    const ScrewSegment& segment_to(std::size_t right);
+
+    std::shared_ptr<const std::vector<StampedPose>> poses_;
     std::size_t right_ = 0;  ///< of the pair in use; 0: none
-    ScrewSegment segment_;
+    Segment even_, odd_;     ///< the latest with such a `right`: a scan lies on two as a rule
 };
 
 /// From the truth's frame to the map's, that is of the estimate's first pose that the truth has a pose for.
@@ -65,8 +77,7 @@ class FeaturePointHits {
     static constexpr double hit_radius_m = 0.05;
 
     /// `scan_duration_s`: from the first beam of a scan, which has its stamp, to the last.
-    FeaturePointHits(std::vector<FeaturePoint> points, std::vector<StampedPose> truth,
-                     double scan_duration_s);
+    FeaturePointHits(std::vector<FeaturePoint> points, TruePath truth, double scan_duration_s);
 
     /// Picks the returns of a scan that hit a point. Only lasers that are never tilted count.
     void take(const mrpt::obs::CObservation2DRangeScan& scan, StampNs stamp_ns, std::uint64_t sequence);
@@ -104,7 +115,12 @@ class FeaturePointHits {
     TruePath truth_;
     std::vector<Watched> watched_;
     double scan_duration_s_;
-    std::map<std::string, bool> is_level_;  ///< by label; false for good once a scan was tilted
+    /// Of a laser.
+    struct Level {
+        bool yes = true;                       ///< false for good once a scan was tilted
+        mrpt::math::CMatrixDouble33 rotation;  ///< of the latest scan
+    };
+    std::map<std::string, Level> levels_;  ///< by label
 };
 
 }  // namespace loopline

@@ -33,8 +33,9 @@ std::size_t write_covariance_csv(const std::filesystem::path& file, const Trajec
         }
         out.seconds(entry.stamp_ns);
         for (int row = 0; row < 6; ++row)
-            for (int column = 0; column < 6; ++column) out.text(",").number(entry.covariance(row, column));
-        out.text("\n");
+            for (int column = 0; column < 6; ++column)
+                out.character(',').number(entry.covariance(row, column));
+        out.character('\n');
     }
     out.commit();
     return left_out;

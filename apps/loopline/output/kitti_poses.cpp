@@ -15,8 +15,8 @@ std::size_t write_kitti_poses(const std::filesystem::path& file, const Trajector
         }
         const Eigen::Matrix3d R_map_base = pose.rotation.toRotationMatrix();
         for (int row = 0; row < 3; ++row) {
-            for (int column = 0; column < 3; ++column) out.number(R_map_base(row, column)).text(" ");
-            out.number(pose.translation_m[row]).text(row < 2 ? " " : "\n");
+            for (int column = 0; column < 3; ++column) out.number(R_map_base(row, column)).character(' ');
+            out.number(pose.translation_m[row]).character(row < 2 ? ' ' : '\n');
         }
     }
     out.commit();

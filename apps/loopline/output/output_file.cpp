@@ -32,6 +32,8 @@ OutputFile::OutputFile(std::filesystem::path file)
     descriptor_ = ::open(partial_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor_ < 0) fail(errno);
     buffer_.resize(buffer_bytes);
+    at_ = buffer_.data();
+    end_ = at_ + buffer_.size();
 }
 
 OutputFile::~OutputFile() {
@@ -51,30 +53,21 @@ void OutputFile::fail(int error) {
 }
 
 void OutputFile::flush() {
-    const char* at = buffer_.data();
-    while (used_ > 0) {
-        const ssize_t written = ::write(descriptor_, at, used_);
-        if (written < 0) {
-            if (errno == EINTR) continue;
-            fail(errno);
-        }
-        at += written;
-        used_ -= static_cast<std::size_t>(written);
+    for (const char* from = buffer_.data(); from < at_;) {
+        const ssize_t written = ::write(descriptor_, from, static_cast<std::size_t>(at_ - from));
+        if (written < 0 && errno != EINTR) fail(errno);
+        from += std::max<ssize_t>(written, 0);
     }
+    at_ = buffer_.data();
 }
 
-char* OutputFile::room(std::size_t size) {
-    if (buffer_.size() - used_ < size) flush();
-    return buffer_.data() + used_;
-}
-
-OutputFile& OutputFile::bytes(const void* data, std::size_t size) {
+OutputFile& OutputFile::many_bytes(const void* data, std::size_t size) {
     const char* from = static_cast<const char*>(data);
     while (size > 0) {
-        char* to = room(1);
-        const std::size_t part = std::min(size, buffer_.size() - used_);
-        std::memcpy(to, from, part);
-        used_ += part;
+        if (at_ == end_) flush();
+        const std::size_t part = std::min(size, static_cast<std::size_t>(end_ - at_));
+        std::memcpy(at_, from, part);
+        at_ += part;
         from += part;
         size -= part;
     }
@@ -82,28 +75,28 @@ OutputFile& OutputFile::bytes(const void* data, std::size_t size) {
 }
 
 OutputFile& OutputFile::integer(std::int64_t value) {
-    char* first = room(longest_number);
-    used_ += static_cast<std::size_t>(std::to_chars(first, first + longest_number, value).ptr - first);
+    char* const first = room(longest_number);
+    at_ = std::to_chars(first, first + longest_number, value).ptr;
     return *this;
 }
 
 OutputFile& OutputFile::count(std::uint64_t value) {
-    char* first = room(longest_number);
-    used_ += static_cast<std::size_t>(std::to_chars(first, first + longest_number, value).ptr - first);
+    char* const first = room(longest_number);
+    at_ = std::to_chars(first, first + longest_number, value).ptr;
     return *this;
 }
 
-OutputFile& OutputFile::number(double value) {
+OutputFile& OutputFile::nonzero(double value) {
     assert(std::isfinite(value));
-    char* first = room(longest_number);
-    used_ += static_cast<std::size_t>(std::to_chars(first, first + longest_number, value + 0.0).ptr - first);
+    char* const first = room(longest_number);
+    at_ = std::to_chars(first, first + longest_number, value).ptr;
     return *this;
 }
 
 OutputFile& OutputFile::number(float value) {
     assert(std::isfinite(value));
-    char* first = room(longest_number);
-    used_ += static_cast<std::size_t>(std::to_chars(first, first + longest_number, value + 0.0f).ptr - first);
+    char* const first = room(longest_number);
+    at_ = std::to_chars(first, first + longest_number, value + 0.0f).ptr;
     return *this;
 }
 
@@ -111,12 +104,11 @@ OutputFile& OutputFile::seconds(StampNs stamp_ns) {
     const std::uint64_t magnitude =
         stamp_ns < 0 ? 0 - static_cast<std::uint64_t>(stamp_ns) : static_cast<std::uint64_t>(stamp_ns);
     char* const first = room(longest_number);
-    char* at = first;
-    if (stamp_ns < 0) *at++ = '-';
-    at = std::to_chars(at, first + longest_number, magnitude / ns_per_s).ptr;
-    *at++ = '.';
-    at = write_digits(at, magnitude % ns_per_s, 9);
-    used_ += static_cast<std::size_t>(at - first);
+    at_ = first;
+    if (stamp_ns < 0) *at_++ = '-';
+    at_ = std::to_chars(at_, first + longest_number, magnitude / ns_per_s).ptr;
+    *at_++ = '.';
+    at_ = write_digits(at_, magnitude % ns_per_s, 9);
     return *this;
 }
 

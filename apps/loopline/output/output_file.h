@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/stamp.h"
 
@@ -23,12 +25,22 @@ class OutputFile {
     OutputFile& operator=(const OutputFile&) = delete;
 
     OutputFile& text(std::string_view characters) { return bytes(characters.data(), characters.size()); }
-    OutputFile& bytes(const void* data, std::size_t size);
+    OutputFile& character(char c) {
+        if (at_ == end_) flush();
+        *at_++ = c;
+        return *this;
+    }
+    OutputFile& bytes(const void* data, std::size_t size) {
+        if (static_cast<std::size_t>(end_ - at_) < size) return many_bytes(data, size);
+        std::memcpy(at_, data, size);
+        at_ += size;
+        return *this;
+    }
     OutputFile& integer(std::int64_t value);
     OutputFile& count(std::uint64_t value);
     /// Shortest decimal text that reads back to the same double; "-0" is written "0". `value` must be finite:
     /// who has a value that may not be leaves its record out and says so.
-    OutputFile& number(double value);
+    OutputFile& number(double value) { return value == 0 ? character('0') : nonzero(value); }
     /// The same for a float, which needs fewer digits.
     OutputFile& number(float value);
     /// Seconds with nine decimals, all of them from the integer.
@@ -38,15 +50,22 @@ class OutputFile {
     void commit();
 
  private:
-    char* room(std::size_t size);
+    OutputFile& nonzero(double value);
+    OutputFile& many_bytes(const void* data, std::size_t size);
+    /// Room for `size` bytes, few.
+    char* room(std::size_t size) {
+        if (static_cast<std::size_t>(end_ - at_) < size) flush();
+        return at_;
+    }
     void flush();
     [[noreturn]] void fail(int error);
 
     std::filesystem::path file_;
     std::filesystem::path partial_;
     int descriptor_ = -1;
-    std::string buffer_;
-    std::size_t used_ = 0;
+    std::vector<char> buffer_;
+    char* at_ = nullptr;  ///< behind what is not yet written
+    char* end_ = nullptr;
 };
 
 /// A whole file at once.

@@ -23,7 +23,7 @@ std::optional<double> finite_number(const char* first, const char* last) {
 }
 
 /// Decimal text digit by digit; a stamp written with an exponent through a double.
-std::optional<StampNs> stamp_from_word(const std::string& word) {
+std::optional<StampNs> stamp_from_word(std::string_view word) {
     if (const auto stamp_ns = stamp_from_seconds_text(word)) return stamp_ns;
     const auto seconds = finite_number(word.data(), word.data() + word.size());
     if (!seconds || std::abs(*seconds) > 9e9) return std::nullopt;
@@ -34,12 +34,14 @@ std::optional<StampNs> stamp_from_word(const std::string& word) {
 void words_of(const std::string& line, std::vector<std::string_view>& words) {
     const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     words.clear();
-    const char *at = line.data(), *end = at + line.size();
-    while ((at = std::find_if_not(at, end, is_blank)) != end) {
-        const char* const last = std::find_if(at, end, is_blank);
-        words.emplace_back(at, static_cast<std::size_t>(last - at));
-        at = last;
+    const char* first = nullptr;  // of the word that stands open
+    for (const char& c : line) {
+        if (is_blank(c) == (first == nullptr)) continue;
+        if (first != nullptr) words.emplace_back(first, static_cast<std::size_t>(&c - first));
+        first = first == nullptr ? &c : nullptr;
     }
+    if (first != nullptr)
+        words.emplace_back(first, static_cast<std::size_t>(line.data() + line.size() - first));
 }
 
 /// The pose of a line, or what is wrong with it.
@@ -49,7 +51,7 @@ std::optional<StampedPose> parse(const std::vector<std::string_view>& words, std
             "has " + std::to_string(words.size()) + " columns instead of the 8 of \"t x y z qx qy qz qw\"";
         return std::nullopt;
     }
-    const auto stamp_ns = stamp_from_word(std::string(words[0]));
+    const auto stamp_ns = stamp_from_word(words[0]);
     if (!stamp_ns) {
         problem = "has no time in its first column: \"" + std::string(words[0]) + "\"";
         return std::nullopt;
@@ -87,10 +89,10 @@ std::size_t write_tum(const std::filesystem::path& file, const Trajectory& traje
             continue;
         }
         out.seconds(entry.stamp_ns);
-        for (int i = 0; i < 3; ++i) out.text(" ").number(pose.translation_m[i]);
+        for (int i = 0; i < 3; ++i) out.character(' ').number(pose.translation_m[i]);
         for (int i = 0; i < 4; ++i)
-            out.text(" ").number(pose.rotation.coeffs()[i]);  // Eigen's order: x y z w
-        out.text("\n");
+            out.character(' ').number(pose.rotation.coeffs()[i]);  // Eigen's order: x y z w
+        out.character('\n');
     }
     out.commit();
     return left_out;
@@ -101,7 +103,9 @@ std::vector<StampedPose> read_tum(const std::filesystem::path& file) {
     if (!in || !std::filesystem::is_regular_file(file))
         throw CommandError(exit_input_data, "can't read the trajectory " + file.string() +
                                                 ": there is no such file; give one in TUM format");
+    constexpr std::uintmax_t short_line_bytes = 64;
     std::vector<StampedPose> poses;
+    poses.reserve(std::filesystem::file_size(file) / short_line_bytes + 1);
     std::string line, problem;
     std::vector<std::string_view> words;
     for (std::size_t number = 1; std::getline(in, line); ++number) {

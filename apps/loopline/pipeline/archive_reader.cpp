@@ -8,6 +8,8 @@
 namespace loopline {
 namespace {
 
+constexpr std::size_t usual_object_bytes = 4096;
+
 /// MRPT says "Stored object has class 'X' which is not registered!"; empty for any other complaint, and for a
 /// name that no class could have (then the bytes are damaged).
 std::string unknown_class_in(const std::string& complaint) {
@@ -38,6 +40,10 @@ mrpt::serialization::CSerializable::Ptr ArchiveReader::next() {
     while (ending_ == LogEnd::not_yet) {
         if (limit_ && objects_ >= limit_->objects) return end_damaged(limit_->reason);
         if (file_.at_end()) return end_between_objects();
+        if (auto object = next_known()) {
+            guard_.pass(++objects_);
+            return object;
+        }
         guard_.enter(objects_);
         try {
             auto object = archive_.ReadObject();
@@ -56,6 +62,21 @@ mrpt::serialization::CSerializable::Ptr ArchiveReader::next() {
         }
     }
     return {};
+}
+
+/// The next object, if it is a whole one of the classes that need no MRPT to be read.
+mrpt::serialization::CSerializable::Ptr ArchiveReader::next_known() {
+    for (std::size_t wanted = usual_object_bytes, before = 0;;) {
+        const std::size_t ready = file_.look_ahead(wanted);
+        auto reading = known_objects_.read(file_.ready(), ready);
+        if (reading.object) {
+            file_.skip(reading.size);
+            return std::move(reading.object);
+        }
+        if (reading.size <= ready || ready == before) return {};
+        wanted = reading.size;
+        before = ready;
+    }
 }
 
 mrpt::serialization::CSerializable::Ptr ArchiveReader::end(LogEnd ending, const std::string& damage) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 
+#include "pipeline/known_objects.h"
 #include "pipeline/log_file.h"
 #include "pipeline/read_guard.h"
 
@@ -42,6 +43,7 @@ class ArchiveReader {
     std::uint64_t file_bytes_read() const { return file_.file_bytes_read(); }
 
  private:
+    mrpt::serialization::CSerializable::Ptr next_known();
     mrpt::serialization::CSerializable::Ptr end(LogEnd ending, const std::string& damage);
     mrpt::serialization::CSerializable::Ptr end_between_objects();
     mrpt::serialization::CSerializable::Ptr end_inside_object(const std::string& reason);
@@ -51,6 +53,7 @@ class ArchiveReader {
     std::string path_;
     LogFile file_;
     mrpt::serialization::CArchiveStreamBase<LogFile> archive_;
+    KnownObjects known_objects_;
     ReadGuard guard_;
     std::optional<ReadLimit> limit_;
     std::uint64_t objects_ = 0;

@@ -39,6 +39,11 @@ void Checkpoints::schedule(double least_s) {
     due_s_ = cpu_time_s() + std::max(least_s, pause_s);
 }
 
+void Checkpoints::glance_at_the_clock(std::uint64_t items) {
+    latest_glance_ = chain_.latest_tick();
+    if (Clock::now() >= next_look_) look_at_the_clock(items);
+}
+
 void Checkpoints::look_at_the_clock(std::uint64_t items) {
     if (!began_) {
         began_ = true;

@@ -1,6 +1,6 @@
-/// When a run writes checkpoints. The clock may decide, since no result depends on it: it is the CPU time that a
-/// checkpoint saves, and of which it may take a hundredth. Soon after the beginning a first one says no more
-/// than that there is nothing to load yet.
+/// When a run writes checkpoints. The clock may decide, since no result depends on it: it is the CPU time
+/// that a checkpoint saves, and of which it may take a hundredth. Soon after the beginning a first one says
+/// no more than that there is nothing to load yet.
 #pragma once
 
 #include <chrono>
@@ -28,8 +28,8 @@ class Checkpoints {
     void after_item(std::uint64_t items) {
         if (every_items_ > 0 && items % every_items_ == 0)
             write(items);
-        else if (next_look_ != never && Clock::now() >= next_look_)
-            look_at_the_clock(items);
+        else if (next_look_ != never && chain_.latest_tick() - latest_glance_ >= ticks_per_glance)
+            glance_at_the_clock(items);
     }
     /// Now, if the modules can do it; true if there is one of this moment then. If the disk refuses, a
     /// warning says so, and there are no more.
@@ -46,6 +46,9 @@ class Checkpoints {
  private:
     using Clock = std::chrono::steady_clock;
     static constexpr Clock::time_point never = Clock::time_point::max();
+    /// Of a TickClock: about half a millisecond.
+    static constexpr std::int64_t ticks_per_glance = 1'000'000;
+    void glance_at_the_clock(std::uint64_t items);
     void look_at_the_clock(std::uint64_t items);
     void schedule(double least_s);
     void give_up(const std::exception& reason);
@@ -57,6 +60,7 @@ class Checkpoints {
     bool possible_;
     std::uint64_t every_items_ = 0, resumed_at_ = 0;
     Clock::time_point next_look_ = never;
+    std::int64_t latest_glance_ = 0;
     double due_s_ = 0;  ///< CPU time of this process
     bool began_ = false, made_folder_ = false;
     std::vector<LogIdentity> logs_;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
+#include "api/observation_class.h"
 #include "commands/command.h"
 #include "pipeline/checkpoints.h"
 #include "pipeline/log_source.h"
@@ -95,8 +97,20 @@ void record_input(const RunSetup& setup, const LogSource& source, const std::vec
 std::unique_ptr<FeaturePointHits> watched_points(const RunSetup& setup) {
     const auto& reference = setup.reference;
     if (!reference || reference->surveyed.points.empty() || reference->truth.empty()) return nullptr;
-    return std::make_unique<FeaturePointHits>(reference->surveyed.points, reference->truth,
-                                              reference->scan_duration_s);
+    return std::make_unique<FeaturePointHits>(
+        reference->surveyed.points, TruePath::sharing(truth_of(reference)), reference->scan_duration_s);
+}
+
+/// How many of the scans, which are in the log's order as the poses are, have a pose.
+std::uint64_t poses_among(const std::vector<std::uint64_t>& scan_sequences, const Trajectory& trajectory) {
+    std::uint64_t count = 0;
+    auto scan = scan_sequences.begin();
+    for (const TrajectoryEntry& entry : trajectory.entries()) {
+        scan = std::find_if(scan, scan_sequences.end(),
+                            [&entry](std::uint64_t sequence) { return sequence >= entry.sequence; });
+        if (scan != scan_sequences.end() && *scan == entry.sequence) ++count;
+    }
+    return count;
 }
 
 /// How the run ended: what the user did counts first, then the log, then the estimate.
@@ -121,8 +135,10 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     const auto& experiment = setup.experiment;
     LogSource source(experiment.run.rawlogs, attempt.rules, Mounting(experiment.mount));
     Recorder recorder(setup.folder, experiment.outputs.record);
-    ModuleChain chain(experiment.modules, attempt.rules.state,
-                      [&recorder](const StreamItem& item) { recorder.take(*item.observation); });
+    ModuleChain::Listener record_published;
+    if (!experiment.outputs.record.empty())
+        record_published = [&recorder](const StreamItem& item) { recorder.take(*item.observation); };
+    ModuleChain chain(experiment.modules, attempt.rules.state, std::move(record_published));
     Progress progress("estimating", !setup.quiet);
     chain.start({setup.threads, experiment.run.seed, setup.calibrates});
     Checkpoints checkpoints(setup, attempt, chain, recorder);
@@ -138,14 +154,13 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
         interrupted = stop_requested();
         if (interrupted || (attempt.stop_before_sequence && item.sequence >= *attempt.stop_before_sequence))
             break;
-        if (is_laser_scan(*item.observation)) scan_sequences.push_back(item.sequence);
+        if (source.facts().latest_is_scan()) scan_sequences.push_back(item.sequence);
         if (points)
-            if (const auto* scan =
-                    dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(item.observation.get()))
+            if (const auto* scan = as<mrpt::obs::CObservation2DRangeScan>(item.observation.get()))
                 points->take(*scan, item.stamp_ns, item.sequence);
         progress.tick(source);
         if (items < checkpoints.resumed_at()) continue;
-        chain.process(item);
+        chain.process(std::move(item));
         checkpoints.after_item(items + 1);
     }
     progress.clear();
@@ -173,12 +188,10 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     if (points && record.trajectory != nullptr)
         record.feature_points = points->estimates(*record.trajectory, record.odometry);
     if (setup.reference) record.published_points = setup.reference->published;
-    if (record.trajectory != nullptr)
-        record.scans_used = static_cast<std::uint64_t>(std::count_if(
-            scan_sequences.begin(), scan_sequences.end(),
-            [&](std::uint64_t sequence) { return record.trajectory->find(sequence) != nullptr; }));
+    if (record.trajectory != nullptr) record.scans_used = poses_among(scan_sequences, *record.trajectory);
+    const auto timings = chain.timings();
     for (std::size_t i = 0; i < experiment.modules.size(); ++i)
-        record.modules[experiment.modules[i]->info().name] = chain.timings()[i];
+        record.modules[experiment.modules[i]->info().name] = timings[i];
     set_status(record, interrupted, !source.damages().empty());
     return items;
 }

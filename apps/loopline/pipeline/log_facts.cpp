@@ -1,19 +1,24 @@
 #include "pipeline/log_facts.h"
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
-#include <mrpt/poses/CPose3D.h>
 
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <set>
 
+#include "api/observation_class.h"
+
 namespace loopline {
 namespace {
 
 using mrpt::obs::CObservation2DRangeScan;
 
-bool differ(const mrpt::math::TPose3D& a, const mrpt::math::TPose3D& b) {
+bool differ(const mrpt::poses::CPose3D& T_base_a, const mrpt::poses::CPose3D& T_base_b) {
+    if (T_base_a.m_coords == T_base_b.m_coords &&
+        T_base_a.getRotationMatrix() == T_base_b.getRotationMatrix())
+        return false;
+    const mrpt::math::TPose3D a = T_base_a.asTPose(), b = T_base_b.asTPose();
     constexpr double tolerance = 0.02;  // m and rad: a servo does not move that much from scan to scan
     return std::abs(a.x - b.x) > tolerance || std::abs(a.y - b.y) > tolerance ||
            std::abs(a.z - b.z) > tolerance || std::abs(std::remainder(a.yaw - b.yaw, 2 * M_PI)) > tolerance ||
@@ -22,6 +27,19 @@ bool differ(const mrpt::math::TPose3D& a, const mrpt::math::TPose3D& b) {
 
 std::string quoted(const std::string& label) {
     return label.empty() ? "no label" : "the label \"" + label + "\"";
+}
+
+/// The latest of the scans that the sensor's count says.
+void add_scan(const CObservation2DRangeScan& scan, SensorFacts& sensor) {
+    if (sensor.count == 1) {
+        sensor.beams = scan.getScanSize();
+        sensor.aperture_rad = scan.aperture;
+    } else if (!sensor.varies) {
+        sensor.varies = sensor.beams != scan.getScanSize() ||
+                        std::abs(sensor.aperture_rad - scan.aperture) > 1e-4F ||
+                        (scan.deltaPitch == 0 && differ(scan.sensorPose, sensor.T_base_sensor));
+    }
+    sensor.T_base_sensor = scan.sensorPose;  // a servo may turn it bit by bit
 }
 
 }  // namespace
@@ -43,36 +61,26 @@ bool is_laser_scan(const mrpt::obs::CObservation& observation) {
     return false;
 }
 
-SensorFacts& LogFacts::facts_of(const mrpt::obs::CObservation& observation) {
+const LogFacts::Known& LogFacts::known(const mrpt::obs::CObservation& observation) {
     const auto* class_id = observation.GetRuntimeClass();
     for (const auto& known : known_)
-        if (known.class_id == class_id && known.label == observation.sensorLabel) return *known.facts;
+        if (known.class_id == class_id && known.label == observation.sensorLabel) return known;
     SensorFacts& facts = sensors_[{class_id->className, observation.sensorLabel}];
-    known_.push_back({class_id, observation.sensorLabel, &facts});
-    return facts;
+    known_.push_back({class_id, observation.sensorLabel, &facts, is_laser_scan(observation),
+                      as<CObservation2DRangeScan>(&observation) != nullptr});
+    return known_.back();
 }
 
 void LogFacts::add(const mrpt::obs::CObservation& observation, StampNs stamp_ns) {
+    const Known& sensor = known(observation);
     if (observations_++ == 0) first_stamp_ns_ = stamp_ns;
     last_stamp_ns_ = stamp_ns;
-    if (is_laser_scan(observation)) ++scans_;
-
-    SensorFacts& sensor = facts_of(observation);
-    if (sensor.count++ == 0) sensor.first_stamp_ns = stamp_ns;
-    sensor.last_stamp_ns = stamp_ns;
-    if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
-        const auto pose = scan->sensorPose.asTPose();
-        if (sensor.count == 1) {
-            sensor.beams = scan->getScanSize();
-            sensor.aperture_rad = scan->aperture;
-            sensor.T_base_sensor = pose;
-        } else if (!sensor.varies) {
-            sensor.varies = sensor.beams != scan->getScanSize() ||
-                            std::abs(sensor.aperture_rad - scan->aperture) > 1e-4F ||
-                            (scan->deltaPitch == 0 && differ(pose, sensor.T_base_sensor));
-        }
-        sensor.T_base_sensor = pose;  // a servo may turn it bit by bit
-    }
+    latest_is_scan_ = sensor.is_scan;
+    if (latest_is_scan_) ++scans_;
+    if (sensor.facts->count++ == 0) sensor.facts->first_stamp_ns = stamp_ns;
+    sensor.facts->last_stamp_ns = stamp_ns;
+    if (sensor.is_planar_scan)
+        add_scan(static_cast<const CObservation2DRangeScan&>(observation), *sensor.facts);
 }
 
 bool LogFacts::has_class(const std::string& name) const {

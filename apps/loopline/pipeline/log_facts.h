@@ -1,8 +1,8 @@
 /// What a log turned out to hold, and what a user should know about it: gathered while it streams by.
 #pragma once
 
-#include <mrpt/math/TPose3D.h>
 #include <mrpt/obs/CObservation.h>
+#include <mrpt/poses/CPose3D.h>
 
 #include <cstdint>
 #include <map>
@@ -20,10 +20,10 @@ struct SensorFacts {
     std::uint64_t count = 0;
     StampNs first_stamp_ns = 0;
     StampNs last_stamp_ns = 0;
-    std::size_t beams = 0;              ///< of the first scan; 0 if it is no planar scan
-    float aperture_rad = 0;             ///< of the first scan
-    mrpt::math::TPose3D T_base_sensor;  ///< of the last scan
-    bool varies = false;                ///< beams, aperture or, but for a servo, its place on the vehicle changed
+    std::size_t beams = 0;               ///< of the first scan; 0 if it is no planar scan
+    float aperture_rad = 0;              ///< of the first scan
+    mrpt::poses::CPose3D T_base_sensor;  ///< of the last scan
+    bool varies = false;  ///< beams, aperture or, but for a servo, its place on the vehicle changed
 };
 
 class LogFacts {
@@ -31,6 +31,8 @@ class LogFacts {
     using SensorKey = std::pair<std::string, std::string>;  ///< class name as MRPT writes it, sensorLabel
 
     void add(const mrpt::obs::CObservation& observation, StampNs stamp_ns);
+    /// Whether the latest one gives laser ranges.
+    bool latest_is_scan() const { return latest_is_scan_; }
 
     const std::map<SensorKey, SensorFacts>& sensors() const { return sensors_; }
     std::uint64_t observations() const { return observations_; }
@@ -51,12 +53,14 @@ class LogFacts {
         const mrpt::rtti::TRuntimeClassId* class_id;
         std::string label;
         SensorFacts* facts;
+        bool is_scan, is_planar_scan;
     };
-    SensorFacts& facts_of(const mrpt::obs::CObservation& observation);
+    const Known& known(const mrpt::obs::CObservation& observation);
 
     std::map<SensorKey, SensorFacts> sensors_;
     std::vector<Known> known_;  ///< the same, without making names for each observation
     std::uint64_t observations_ = 0, scans_ = 0;
+    bool latest_is_scan_ = false;
     StampNs first_stamp_ns_ = 0, last_stamp_ns_ = 0;
 };
 

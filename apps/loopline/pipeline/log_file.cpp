@@ -7,23 +7,44 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <new>
 #include <stdexcept>
 
 #include "commands/command.h"
 
 namespace loopline {
 namespace {
-constexpr std::size_t input_bytes = 128 * 1024, output_bytes = 256 * 1024;
-}
 
-LogFile::LogFile(const std::string& path) : path_(path), input_(input_bytes) {
-    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor_ < 0 && errno == ENOENT)
+constexpr std::size_t ready_bytes = 256 * 1024;
+
+/// A descriptor to read from; throws CommandError if there is none to be had.
+int opened(const std::string& path) {
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (descriptor < 0 && errno == ENOENT)
         throw CommandError(exit_input_data, path + ": there is no such rawlog; check the path");
-    if (descriptor_ < 0)
+    if (descriptor < 0)
         throw CommandError(exit_input_data,
                            path + ": this rawlog can't be opened (" + std::strerror(errno) + ")");
+    return descriptor;
+}
+
+LogFile::Failure failure_of(GzipUnpacker::Status status) {
+    switch (status) {
+        case GzipUnpacker::Status::cut_short:
+            return LogFile::Failure::cut_short;
+        case GzipUnpacker::Status::bad_data:
+            return LogFile::Failure::bad_data;
+        case GzipUnpacker::Status::bad_checksum:
+            return LogFile::Failure::bad_checksum;
+        case GzipUnpacker::Status::io_error:
+            return LogFile::Failure::io_error;
+        default:
+            return LogFile::Failure::none;
+    }
+}
+
+}  // namespace
+
+LogFile::LogFile(const std::string& path) : path_(path), descriptor_(opened(path)), packed_(descriptor_) {
     struct stat facts {};
     ::fstat(descriptor_, &facts);
     if (!S_ISREG(facts.st_mode)) {
@@ -34,23 +55,16 @@ LogFile::LogFile(const std::string& path) : path_(path), input_(input_bytes) {
                                            : ": this is no regular file; a rawlog is read more than once"));
     }
     file_bytes_ = static_cast<std::uint64_t>(facts.st_size);
-    fill_input();
-    gzip_ = starts_gzip_member();
-    if (!gzip_) return;
-    inflating_ = inside_member_ = inflateInit2(&inflater_, 15 + 16) == Z_OK;
-    if (!inflating_) throw std::bad_alloc();
-    output_.resize(output_bytes);
 }
 
 LogFile::~LogFile() {
-    if (inflating_) inflateEnd(&inflater_);
     ::close(descriptor_);
 }
 
 std::size_t LogFile::Read(void* destination, std::size_t size) {
     auto* to = static_cast<unsigned char*>(destination);
     for (std::size_t missing = size; missing > 0;) {
-        if (next_ == end_ && !refill()) {
+        if (next_ == end_ && !append()) {
             if (failure_ == Failure::none) failure_ = Failure::cut_short;
             throw std::runtime_error("the stream ended inside an object");
         }
@@ -67,66 +81,77 @@ std::size_t LogFile::Write(const void*, std::size_t) {
     throw std::logic_error("a LogFile is for reading");
 }
 
-bool LogFile::fail(Failure failure) {
-    failure_ = failure;
-    return false;
+/// More bytes behind those that are ready; false if no more come, or the buffer is full.
+bool LogFile::append() {
+    if (ended_ || failure_ != Failure::none) return false;
+    if (format_ == Format::unknown) open_format();
+    const auto left = static_cast<std::size_t>(end_ - next_);
+    if (left == buffer_.size()) return false;
+    if (left > 0) std::memmove(buffer_.data(), next_, left);
+    unsigned char* const to = buffer_.data() + left;
+    const std::size_t room = buffer_.size() - left;
+    const std::size_t appended =
+        format_ == Format::plain ? append_plain(to, room) : append_unpacked(to, room);
+    next_ = buffer_.data();
+    end_ = to + appended;
+    return appended > 0;
 }
 
-bool LogFile::refill() {
-    if (failure_ != Failure::none) return false;
-    return gzip_ ? refill_inflated() : refill_plain();
+void LogFile::open_format() {
+    packed_.fill();
+    buffer_.resize(ready_bytes);
+    next_ = end_ = buffer_.data();
+    format_ = Format::plain;
+    if (!starts_gzip_member(packed_)) return;
+    unpacker_ = make_igzip_unpacker(packed_);
+    format_ = unpacker_ ? Format::igzip : Format::zlib;
+    if (!unpacker_) unpacker_ = make_zlib_unpacker(packed_);
 }
 
-/// Appends to what is left of the input; false at the end of the file.
-bool LogFile::fill_input() {
-    if (inflater_.avail_in > 0) std::memmove(input_.data(), inflater_.next_in, inflater_.avail_in);
-    ssize_t count = 0;
-    do count = ::read(descriptor_, input_.data() + inflater_.avail_in, input_.size() - inflater_.avail_in);
-    while (count < 0 && errno == EINTR);
-    inflater_.next_in = input_.data();
-    if (count < 0) return fail(Failure::io_error);
-    inflater_.avail_in += static_cast<uInt>(count);
-    file_bytes_read_ += static_cast<std::uint64_t>(count);
-    return count > 0;
+std::size_t LogFile::append_plain(unsigned char* to, std::size_t room) {
+    const std::size_t looked_at = std::min(room, packed_.size());
+    std::memcpy(to, packed_.data(), looked_at);
+    packed_.take(looked_at);
+    if (looked_at > 0) return looked_at;
+    const std::size_t read = packed_.read(to, room);
+    if (packed_.failed()) failure_ = Failure::io_error;
+    ended_ = read == 0;
+    return read;
 }
 
-bool LogFile::starts_gzip_member() const {
-    return inflater_.avail_in >= 2 && inflater_.next_in[0] == 0x1f && inflater_.next_in[1] == 0x8b;
-}
-
-bool LogFile::refill_plain() {
-    if (inflater_.avail_in == 0 && !fill_input()) return false;
-    next_ = inflater_.next_in;
-    end_ = next_ + inflater_.avail_in;
-    inflater_.avail_in = 0;
-    return true;
-}
-
-bool LogFile::refill_inflated() {
-    inflater_.next_out = output_.data();
-    inflater_.avail_out = static_cast<uInt>(output_.size());
-    while (inflater_.avail_out == output_.size()) {
-        if (inflater_.avail_in < 2 && !fill_input() && inflater_.avail_in == 0)
-            return failure_ == Failure::none && inside_member_ ? fail(Failure::cut_short) : false;
-        if (!inside_member_) {
-            // A further member may follow; anything else behind the first is padding, as gzip itself sees it.
-            if (!starts_gzip_member()) return false;
-            inflateReset(&inflater_);
-            inside_member_ = true;
-        }
-        const int status = inflate(&inflater_, Z_NO_FLUSH);
-        if (status == Z_STREAM_END)
-            inside_member_ = false;
-        else if (status != Z_OK && status != Z_BUF_ERROR) {
-            const bool trailer = inflater_.msg != nullptr && std::strstr(inflater_.msg, "check") != nullptr &&
-                                 std::strstr(inflater_.msg, "header") == nullptr;
-            failure_ = trailer ? Failure::bad_checksum : Failure::bad_data;
-            break;
-        }
+std::size_t LogFile::append_unpacked(unsigned char* to, std::size_t room) {
+    std::size_t unpacked = 0;
+    auto status = unpacker_->unpack(to, room, unpacked);
+    if (format_ == Format::igzip && status == GzipUnpacker::Status::bad_data) {
+        // What is wrong, and all bytes before it: zlib says it.
+        std::size_t more = 0;
+        unpacked_bytes_ += unpacked;
+        status = unpack_with_zlib(to + unpacked, room - unpacked, more);
+        unpacked += more;
+        unpacked_bytes_ += more;
+    } else {
+        unpacked_bytes_ += unpacked;
     }
-    next_ = output_.data();
-    end_ = output_.data() + (output_.size() - inflater_.avail_out);
-    return next_ != end_;
+    failure_ = failure_of(status);
+    ended_ = status == GzipUnpacker::Status::end;
+    return unpacked;
+}
+
+/// Begins anew, and goes on behind the bytes that are already unpacked.
+GzipUnpacker::Status LogFile::unpack_with_zlib(unsigned char* to, std::size_t room, std::size_t& unpacked) {
+    packed_ = FilePieces(descriptor_);
+    unpacker_ = make_zlib_unpacker(packed_);
+    format_ = Format::zlib;
+    std::vector<unsigned char> known(ready_bytes);
+    for (std::uint64_t missing = unpacked_bytes_; missing > 0; missing -= unpacked) {
+        const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(missing, known.size()));
+        const auto status = unpacker_->unpack(known.data(), part, unpacked);
+        if (unpacked == part) continue;
+        unpacked = 0;
+        return status;
+    }
+    unpacked = 0;
+    return room > 0 ? unpacker_->unpack(to, room, unpacked) : GzipUnpacker::Status::more;
 }
 
 }  // namespace loopline

@@ -1,8 +1,7 @@
 #include "pipeline/module_chain.h"
 
 #include <algorithm>
-
-#include "pipeline/stopwatch.h"
+#include <iterator>
 
 namespace loopline {
 
@@ -32,7 +31,12 @@ class ModuleChain::Collector : public Publisher {
 };
 
 ModuleChain::ModuleChain(const std::vector<Module::Ptr>& modules, WorkerState* state, Listener listener)
-    : modules_(modules), timings_(modules.size()), state_(state), listener_(std::move(listener)) {
+    : modules_(modules),
+      ticks_(modules.size()),
+      finish_ms_(modules.size()),
+      earlier_timings_(modules.size()),
+      state_(state),
+      listener_(std::move(listener)) {
     for (const auto& module : modules_) interests_.emplace_back(module->info());
 }
 
@@ -40,32 +44,37 @@ void ModuleChain::start(const RunContext& context) {
     for (const auto& module : modules_) module->start(context);
 }
 
-void ModuleChain::process(const StreamItem& item) {
-    items_.assign(1, item);
-    flow(0, item.sequence);
+void ModuleChain::process(StreamItem item) {
+    const std::uint64_t sequence = item.sequence;
+    items_.clear();
+    items_.push_back(std::move(item));
+    flow(0, sequence);
 }
 
 void ModuleChain::flow(std::size_t first, std::uint64_t root_sequence) {
-    auto before = Clock::now();  // the end of one call is the beginning of the next: clocks cost, too
+    auto before = clock_.now();  // the end of one call is the beginning of the next: clocks cost, too
     for (std::size_t i = first; i < modules_.size(); ++i) {
         if (state_ != nullptr) state_->enter(WorkerState::Stage::module, static_cast<int>(i), root_sequence);
-        auto& timing = timings_[i];
-        next_items_.clear();
-        for (const auto& item : items_) {
-            next_items_.push_back(item);
-            const Interest::Kind interest = interests_[i].in(*item.observation);
+        auto& ticks = ticks_[i];
+        for (std::size_t k = 0; k < items_.size(); ++k) {
+            const Interest::Kind interest = interests_[i].in(*items_[k].observation);
             if (interest == Interest::Kind::none) continue;
-            Collector publisher(next_items_, listener_, item);
-            modules_[i]->process(item, publisher);
-            const auto after = Clock::now();
-            const double elapsed_ms = milliseconds_between(before, after);
+            Collector publisher(published_, listener_, items_[k]);
+            modules_[i]->process(items_[k], publisher);
+            const auto after = clock_.now(), elapsed = after - before;
             before = after;
-            timing.calls += interest == Interest::Kind::main ? 1 : 0;
-            timing.total_ms += elapsed_ms;
-            timing.worst_ms = std::max(timing.worst_ms, elapsed_ms);
+            ticks.calls += interest == Interest::Kind::main ? 1 : 0;
+            ticks.total += elapsed;
+            ticks.worst = std::max(ticks.worst, elapsed);
+            if (published_.empty()) continue;
+            items_.insert(items_.begin() + static_cast<std::ptrdiff_t>(k) + 1,
+                          std::make_move_iterator(published_.begin()),
+                          std::make_move_iterator(published_.end()));
+            k += published_.size();  // not for this module
+            published_.clear();
         }
-        items_.swap(next_items_);
     }
+    latest_tick_ = before;
     if (state_ != nullptr) state_->stage.store(WorkerState::Stage::idle, std::memory_order_relaxed);
 }
 
@@ -78,7 +87,7 @@ void ModuleChain::finish(Results& results) {
         const auto start = Clock::now();
         Collector publisher(items_, listener_, last);
         modules_[i]->drain(publisher);
-        timings_[i].finish_ms += milliseconds_since(start);
+        finish_ms_[i] += milliseconds_since(start);
         if (!items_.empty()) flow(i + 1, WorkerState::at_the_end);
     }
     for (std::size_t i = 0; i < modules_.size(); ++i) {
@@ -86,9 +95,22 @@ void ModuleChain::finish(Results& results) {
             state_->enter(WorkerState::Stage::module, static_cast<int>(i), WorkerState::at_the_end);
         const auto start = Clock::now();
         modules_[i]->finish(results);
-        timings_[i].finish_ms += milliseconds_since(start);
+        finish_ms_[i] += milliseconds_since(start);
     }
     if (state_ != nullptr) state_->stage.store(WorkerState::Stage::idle, std::memory_order_relaxed);
+}
+
+std::vector<ModuleTiming> ModuleChain::timings() const {
+    const double ms_per_tick = clock_.milliseconds_per_tick();
+    std::vector<ModuleTiming> timings = earlier_timings_;
+    for (std::size_t i = 0; i < timings.size(); ++i) {
+        timings[i].calls += ticks_[i].calls;
+        timings[i].total_ms += ms_per_tick * static_cast<double>(ticks_[i].total);
+        timings[i].worst_ms =
+            std::max(timings[i].worst_ms, ms_per_tick * static_cast<double>(ticks_[i].worst));
+        timings[i].finish_ms += finish_ms_[i];
+    }
+    return timings;
 }
 
 }  // namespace loopline

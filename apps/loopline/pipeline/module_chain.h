@@ -12,6 +12,7 @@
 #include "api/module.h"
 #include "pipeline/interest.h"
 #include "pipeline/run_record.h"
+#include "pipeline/stopwatch.h"
 #include "pipeline/worker_state.h"
 
 namespace loopline {
@@ -26,29 +27,41 @@ class ModuleChain {
                          Listener listener = {});
 
     void start(const RunContext& context);
-    void process(const StreamItem& item);
+    void process(StreamItem item);
     /// After the last item: drain() in chain order, each followed by the later modules' process() of what it
     /// published, and then finish() in chain order.
     void finish(Results& results);
 
     const std::vector<Module::Ptr>& modules() const { return modules_; }
+    /// When the latest item had passed, by a TickClock.
+    std::int64_t latest_tick() const { return latest_tick_; }
     /// In chain order. total_ms is all of process(), calls the observations of a module's main input,
     /// finish_ms drain() and finish() together.
-    const std::vector<ModuleTiming>& timings() const { return timings_; }
+    std::vector<ModuleTiming> timings() const;
     /// Of the part of the log that another process took through them.
-    void set_timings(const std::vector<ModuleTiming>& timings) { timings_ = timings; }
+    void set_timings(const std::vector<ModuleTiming>& timings) { earlier_timings_ = timings; }
 
  private:
     class Collector;
-    /// Takes `items` through the modules from `first` on.
+    /// What a module took, in ticks.
+    struct Ticks {
+        std::uint64_t calls = 0;
+        std::int64_t total = 0, worst = 0;
+    };
+    /// Takes `items_` through the modules from `first` on.
     void flow(std::size_t first, std::uint64_t root_sequence);
 
     std::vector<Module::Ptr> modules_;
     std::vector<Interest> interests_;
-    std::vector<ModuleTiming> timings_;
+    TickClock clock_;
+    std::int64_t latest_tick_ = 0;
+    std::vector<Ticks> ticks_;
+    std::vector<double> finish_ms_;
+    std::vector<ModuleTiming> earlier_timings_;
     WorkerState* state_;
     Listener listener_;
-    std::vector<StreamItem> items_, next_items_;  ///< of the module at work, and of the one after it
+    std::vector<StreamItem> items_;      ///< that the module at work is given
+    std::vector<StreamItem> published_;  ///< on the item at work
 };
 
 }  // namespace loopline

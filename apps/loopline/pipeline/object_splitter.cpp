@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "api/observation_class.h"
 #include "pipeline/raw_value.h"
 
 namespace loopline {
@@ -26,12 +27,12 @@ bool sane(const Pose2& increment) {
 }  // namespace
 
 void ObjectSplitter::take(const mrpt::serialization::CSerializable::Ptr& object) {
-    if (auto observation = std::dynamic_pointer_cast<CObservation>(object)) {
+    if (auto observation = as<CObservation>(object)) {
         release_held_frame();
         ready_.push_back(std::move(observation));
-    } else if (const auto frame = std::dynamic_pointer_cast<mrpt::obs::CSensoryFrame>(object)) {
+    } else if (const auto frame = as<mrpt::obs::CSensoryFrame>(object)) {
         take_frame(frame);
-    } else if (const auto actions = std::dynamic_pointer_cast<mrpt::obs::CActionCollection>(object)) {
+    } else if (const auto actions = as<mrpt::obs::CActionCollection>(object)) {
         take_actions(*actions);
     } else {
         ++other_objects_;
@@ -43,10 +44,10 @@ void ObjectSplitter::end() {
 }
 
 CObservation::Ptr ObjectSplitter::pop() {
-    if (ready_.empty()) return {};
-    auto observation = std::move(ready_.front());
-    ready_.pop_front();
-    return observation;
+    if (next_ < ready_.size()) return std::move(ready_[next_++]);
+    ready_.clear();
+    next_ = 0;
+    return {};
 }
 
 /// Wheel odometry if there is any; else the first movement, whatever it was estimated from.

@@ -10,8 +10,8 @@
 #include <mrpt/obs/CSensoryFrame.h>
 
 #include <cstdint>
-#include <deque>
 #include <optional>
+#include <vector>
 
 #include "api/pose2.h"
 
@@ -43,7 +43,8 @@ class ObjectSplitter {
     void deliver(mrpt::obs::CSensoryFrame& frame);
     void release_held_frame();
 
-    std::deque<mrpt::obs::CObservation::Ptr> ready_;
+    std::vector<mrpt::obs::CObservation::Ptr> ready_;
+    std::size_t next_ = 0;  ///< of those
     /// The first frame waits until it is known whether the log has odometry at all.
     mrpt::obs::CSensoryFrame::Ptr held_frame_;
     bool any_frame_ = false;

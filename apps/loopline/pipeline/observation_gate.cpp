@@ -5,8 +5,10 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/poses/CPose3D.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "api/observation_class.h"
 #include "pipeline/raw_value.h"
 
 namespace loopline {
@@ -23,6 +25,23 @@ bool finite_within(double value, double bound) {
     return std::isfinite(value) && std::abs(value) <= bound;
 }
 
+bool is_possible(float range_m) {
+    return range_m > 0 && range_m < farthest_range_m;  // false for NaN
+}
+
+void invalidate_impossible_ranges(CObservation2DRangeScan& scan) {
+    const std::size_t beams = scan.getScanSize();
+    const float* const ranges_m = &scan.getScanRange(0);  // one checked call for all beams
+    unsigned impossible = 0;  // counted without a branch, which compilers do for several beams at once
+    for (std::size_t i = 0; i < beams; ++i) impossible += is_possible(ranges_m[i]) ? 0U : 1U;
+    for (std::size_t i = 0; impossible > 0; ++i) {
+        if (is_possible(ranges_m[i])) continue;
+        --impossible;
+        scan.setScanRange(i, 0);
+        scan.setScanRangeValidity(i, false);
+    }
+}
+
 const char* refusal_of_scan(CObservation2DRangeScan& scan) {
     settle(scan.rightToLeft);
     if (scan.getScanSize() < 2) return "laser scans without beams";
@@ -35,13 +54,7 @@ const char* refusal_of_scan(CObservation2DRangeScan& scan) {
     if (!finite_within(scan.deltaPitch, 2 * M_PI) || !std::isfinite(scan.stdError) || scan.stdError < 0 ||
         !std::isfinite(scan.beamAperture) || scan.beamAperture < 0)
         return "laser scans with impossible properties";
-    const std::size_t beams = scan.getScanSize();
-    const float* ranges_m = &scan.getScanRange(0);  // one checked call for all beams
-    for (std::size_t i = 0; i < beams; ++i) {
-        if (ranges_m[i] > 0 && ranges_m[i] < farthest_range_m) continue;  // false for NaN
-        scan.setScanRange(i, 0);
-        scan.setScanRangeValidity(i, false);
-    }
+    invalidate_impossible_ranges(scan);
     return nullptr;
 }
 
@@ -65,24 +78,32 @@ const char* refusal_of_imu(CObservationIMU& imu) {
     return nullptr;
 }
 
-bool sane_sensor_pose(const CObservation& observation) {
-    mrpt::poses::CPose3D T_base_sensor;
-    observation.getSensorPose(T_base_sensor);
+/// By its matrix: angles are computed only for those who need them.
+bool is_sane(const mrpt::poses::CPose3D& T_base_sensor) {
+    const auto& rotation = T_base_sensor.getRotationMatrix();
     return finite_within(T_base_sensor.x(), farthest_sensor_m) &&
            finite_within(T_base_sensor.y(), farthest_sensor_m) &&
-           finite_within(T_base_sensor.z(), farthest_sensor_m) && finite_within(T_base_sensor.yaw(), 10) &&
-           finite_within(T_base_sensor.pitch(), 10) && finite_within(T_base_sensor.roll(), 10);
+           finite_within(T_base_sensor.z(), farthest_sensor_m) &&
+           std::all_of(rotation.begin(), rotation.end(), [](double entry) { return std::isfinite(entry); });
+}
+
+const char* const insane_pose = "observations whose sensor pose is not finite or absurdly far";
+
+const char* refusal_of_another(CObservation& observation) {
+    mrpt::poses::CPose3D T_base_sensor;
+    observation.getSensorPose(T_base_sensor);
+    if (!is_sane(T_base_sensor)) return insane_pose;
+    if (auto* imu = as<CObservationIMU>(&observation)) return refusal_of_imu(*imu);
+    return nullptr;
 }
 
 }  // namespace
 
 const char* refusal_of(CObservation& observation) {
-    if (auto* odometry = dynamic_cast<CObservationOdometry*>(&observation))
-        return refusal_of_odometry(*odometry);
-    if (!sane_sensor_pose(observation)) return "observations whose sensor pose is not finite or absurdly far";
-    if (auto* scan = dynamic_cast<CObservation2DRangeScan*>(&observation)) return refusal_of_scan(*scan);
-    if (auto* imu = dynamic_cast<CObservationIMU*>(&observation)) return refusal_of_imu(*imu);
-    return nullptr;
+    if (auto* scan = as<CObservation2DRangeScan>(&observation))
+        return is_sane(scan->sensorPose) ? refusal_of_scan(*scan) : insane_pose;
+    if (auto* odometry = as<CObservationOdometry>(&observation)) return refusal_of_odometry(*odometry);
+    return refusal_of_another(observation);
 }
 
 }  // namespace loopline

@@ -49,8 +49,11 @@ void ReadGuard::measure_address_space() {
 
 void ReadGuard::enter(std::uint64_t object) {
     if (state_ != nullptr) state_->enter(WorkerState::Stage::reading, input_, object);
-    if (statm_ < 0) return;
-    if (object % objects_per_measurement != 0) return;
+    if (statm_ >= 0 && object >= next_measurement_) lower(object);
+}
+
+void ReadGuard::lower(std::uint64_t object) {
+    next_measurement_ = object + objects_per_measurement;
     measure_address_space();
     if (lowered_.rlim_cur != 0) setrlimit(RLIMIT_AS, &lowered_);
 }
@@ -60,7 +63,8 @@ void ReadGuard::leave() {
 }
 
 void ReadGuard::lift() {
-    if (statm_ >= 0) setrlimit(RLIMIT_AS, &normal_);
+    if (lowered_.rlim_cur != 0) setrlimit(RLIMIT_AS, &normal_);
+    lowered_.rlim_cur = 0;
 }
 
 }  // namespace loopline

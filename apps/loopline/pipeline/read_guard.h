@@ -39,16 +39,23 @@ class ReadGuard {
     /// Just before and just after ReadObject().
     void enter(std::uint64_t object);
     void leave();
+    /// For an object that needs no guard: the limit, if there is one by now, goes with the process all the
+    /// same.
+    void pass(std::uint64_t object) {
+        if (object >= next_measurement_ && lowered_.rlim_cur != 0) lower(object);
+    }
     /// No more objects will be read.
     void lift();
 
  private:
+    void lower(std::uint64_t object);
     void measure_address_space();
 
     WorkerState* state_;
     int input_;
     std::uint64_t allowance_bytes_;
     int statm_ = -1;
+    std::uint64_t next_measurement_ = 0;
     rlimit normal_{}, lowered_{};
 };
 
