@@ -21,15 +21,18 @@ struct Residual {
     double d_m, weight, t_m;
 };
 
-Residual residual(const ScanPoint& p, const NormalForm& line, const NoiseModel& noise) {
+Residual residual(const ScanPoint& p, bool at_edge, const NormalForm& line, const NoiseModel& noise) {
     const double cos_incidence = p.cos_bearing * line.nx + p.sin_bearing * line.ny;
     if (cos_incidence < min_cos_incidence) return {false, 0, 0, 0};
     const double sin_incidence = p.sin_bearing * line.nx - p.cos_bearing * line.ny;
     const double tt_cos2 = line.rho_m * line.rho_m * sin_incidence * sin_incidence,
                  cos2 = cos_incidence * cos_incidence;
     // variance cos^2 and t cos, so that one division serves both.
-    const double variance_cos2 = (noise.range_variance_m2 * cos2 + noise.wall_variance_m2) * cos2 +
-                                 noise.bearing_variance_rad2 * tt_cos2;
+    double variance_cos2 = (noise.range_variance_m2 * cos2 + noise.wall_variance_m2) * cos2 +
+                           noise.bearing_variance_rad2 * tt_cos2;
+    if (at_edge)
+        variance_cos2 +=
+            noise.edge_variance_rad2 * p.range_m * p.range_m * sin_incidence * sin_incidence * cos2;
     const double inverse = 1 / (variance_cos2 * cos_incidence);
     return {true, p.range_m * cos_incidence - line.rho_m, cos2 * cos_incidence * inverse,
             line.rho_m * sin_incidence * variance_cos2 * inverse};
@@ -106,9 +109,12 @@ LikelyFit likely_fit(const ScanPoints& points, const Interval& run, const std::v
     const double end_gate2 = end_sigmas * end_sigmas * variance_factor;
     fit.line = start;
 
+    const auto at_edge = [&](std::size_t i) {
+        return i == 0 || i + 1 == points.size() || labels[i - 1] != label || labels[i + 1] != label;
+    };
     Interval ends = run;
     const auto hangs_off = [&](std::size_t i) {
-        return labels[i] != label || !within(residual(points[i], fit.line, noise), end_gate2);
+        return labels[i] != label || !within(residual(points[i], at_edge(i), fit.line, noise), end_gate2);
     };
     while (ends.size() > 2 && (hangs_off(ends.begin) || hangs_off(ends.begin + 1))) ++ends.begin;
     while (ends.size() > 2 && (hangs_off(ends.end - 1) || hangs_off(ends.end - 2))) --ends.end;
@@ -118,7 +124,7 @@ LikelyFit likely_fit(const ScanPoints& points, const Interval& run, const std::v
         NormalEquations sums;
         for (std::size_t i = ends.begin; i < ends.end; ++i) {
             if (labels[i] != label) continue;
-            const Residual r = residual(points[i], fit.line, noise);
+            const Residual r = residual(points[i], at_edge(i), fit.line, noise);
             if (within(r, gate2)) sums.add(r, i);
         }
         if (!sums.solvable()) return fit;
