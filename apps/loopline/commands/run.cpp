@@ -68,7 +68,6 @@ class RunCommand : public Command {
         setup.threads = threads_;
         setup.quiet = quiet_;
         for (const auto& rawlog : setup.experiment.run.rawlogs) LogFile can_be_opened(rawlog);
-        setup.reference = load_evaluation_reference(setup.experiment.evaluation);
         check_folder(setup.folder);
         if (resume_) setup.checkpoint = std::make_shared<const Checkpoint>(setup.folder, setup.experiment);
         set_cost_so_far(setup);
@@ -76,6 +75,7 @@ class RunCommand : public Command {
         return static_cast<ExitCode>(
             supervise(supervision_of(setup.experiment), [&setup](const Attempt& attempt) {
                 use_large_pages();
+                setup.reference = load_evaluation_reference(setup.experiment.evaluation);
                 return run_experiment(setup, attempt);
             }));
     }

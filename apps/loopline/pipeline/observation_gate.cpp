@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "api/observation_class.h"
 #include "pipeline/raw_value.h"
@@ -25,20 +26,25 @@ bool finite_within(double value, double bound) {
     return std::isfinite(value) && std::abs(value) <= bound;
 }
 
+/// Without a branch, so that compilers look at several beams at once. NaN is not.
 bool is_possible(float range_m) {
-    return range_m > 0 && range_m < farthest_range_m;  // false for NaN
+    return (range_m > 0) & (range_m < farthest_range_m);
 }
 
 void invalidate_impossible_ranges(CObservation2DRangeScan& scan) {
+    constexpr std::size_t block = 32;
     const std::size_t beams = scan.getScanSize();
     const float* const ranges_m = &scan.getScanRange(0);  // one checked call for all beams
-    unsigned impossible = 0;  // counted without a branch, which compilers do for several beams at once
-    for (std::size_t i = 0; i < beams; ++i) impossible += is_possible(ranges_m[i]) ? 0U : 1U;
-    for (std::size_t i = 0; impossible > 0; ++i) {
-        if (is_possible(ranges_m[i])) continue;
-        --impossible;
-        scan.setScanRange(i, 0);
-        scan.setScanRangeValidity(i, false);
+    for (std::size_t first = 0; first < beams; first += block) {
+        const std::size_t end = std::min(first + block, beams);
+        std::uint32_t impossible = 0;
+        for (std::size_t i = first; i < end; ++i) impossible += !is_possible(ranges_m[i]);
+        for (std::size_t i = first; impossible > 0; ++i) {
+            if (is_possible(ranges_m[i])) continue;
+            scan.setScanRange(i, 0);
+            scan.setScanRangeValidity(i, false);
+            --impossible;
+        }
     }
 }
 
