@@ -11,9 +11,6 @@ namespace loopline::line_slam {
 /// What the control was, for each step of a history since the step before it.
 using Drive = std::vector<std::vector<DrivePiece>>;
 
-/// Of the way under one regime, over which slip is taken for constant.
-constexpr double longest_stretch_m = 5;
-
 struct AssumedDrive {
     RegimeWheelValues slip{};
     double track_width_m = 0.5;
@@ -28,9 +25,5 @@ struct AssumedDrive {
 /// The history with its motions as assumed, and its poses at `path` unless that is empty.
 History history_with(const AssumedDrive& assumed, const Drive& drive, const History& history,
                      const SmoothedPath& path);
-
-/// Observations within the gate of where the path has their walls; outliers would pass for noise.
-CalibrationGraph calibration_graph_of(const History& history, const SmoothedPath& path, const Drive& drive,
-                                      const AssumedDrive& assumed, double gate);
 
 }  // namespace loopline::line_slam

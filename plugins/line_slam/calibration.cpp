@@ -85,6 +85,7 @@ void tell_scales(const CalibrationGraph& graph, const CalibrationSolver::ScaleMa
         }
     result.track_width_m = {(1 + graph.track) * graph.track_width_m,
                             std::sqrt(covariance(track_scale, track_scale)) * graph.track_width_m};
+    result.delay_s = {graph.delay_s, std::sqrt(covariance(delay_scale, delay_scale))};
 }
 
 Estimate sigma_of(const NoiseEstimate& e, int at) {
@@ -139,7 +140,7 @@ DriveCalibration calibrate_once(const History& history, const Drive& drive, cons
     DriveCalibration result;
     path = smooth(history_with(assumed, drive, history, path), p.smoother);
     if (!path.good) return result;
-    CalibrationGraph graph = calibration_graph_of(history, path, drive, assumed, p.smoother.pairing.gate);
+    CalibrationGraph graph = graph_of_drive(history, path, drive, assumed, p.graph);
     CalibrationSolver solver(graph);
     graph.sigma_track = as_stated;
     NoiseEstimate noise = likeliest_noise(solver, graph, assumed.log_variance, prior);

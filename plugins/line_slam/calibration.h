@@ -2,14 +2,15 @@
 /// what Hu, Chen, Zhang 2012, figure 3, has a person choose. Derivation: docs/papers/calibration.md.
 #pragma once
 
-#include "line_slam/assumed_drive.h"
 #include "line_slam/drive_amounts.h"
+#include "line_slam/graph_of_drive.h"
 
 namespace loopline::line_slam {
 
 struct CalibrationParameters {
     Regimes regimes;  ///< as they were presumed while the history was made
     SmootherParameters smoother;
+    DriveGraphParameters graph;
     int rounds = 6;         ///< of smoothing with what the round before found, at most
     double settled = 0.05;  ///< a round that changes all slips by less of their standard errors is the last
     // Presumed of the noise, each within a factor: one standard deviation of the logarithm.
@@ -44,6 +45,7 @@ struct DriveCalibration {
     bool track_told = false;  ///< if not, slip holds for the stated track width
     Estimate track_width_m;   ///< stated, with the standard error by the log, if it is not told
     Estimate sigma_side_m, sigma_rest_m;
+    Estimate delay_s;  ///< of the scans behind the times of their poses
     int rounds = 0;
 
     const WheelEstimate& wheel(Regime regime, Wheel wheel) const {

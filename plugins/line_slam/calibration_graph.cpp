@@ -102,16 +102,36 @@ std::vector<CalibrationSolver::Row> CalibrationSolver::rows(const CalibrationGra
     return rows;
 }
 
+namespace {
+
+/// Where the scan of a pose was taken.
+Pose2 seen_from(const CalibrationGraph& graph, int pose) {
+    const auto at = static_cast<std::size_t>(pose);
+    return graph.poses[at] * exp_se2(graph.velocities[at] * graph.delay_s);
+}
+
+Eigen::Vector2d tie_residual(const CalibrationGraph& graph, const CalibrationGraph::Tie& tie) {
+    return innovation(graph.lines[static_cast<std::size_t>(tie.patch)],
+                      graph.lines[static_cast<std::size_t>(tie.wall)]);
+}
+
+}  // namespace
+
 double CalibrationSolver::cost(const CalibrationGraph& graph, const std::vector<Row>& rows) const {
-    double cost = graph.track * graph.track / (graph.sigma_track * graph.sigma_track);
+    double cost =
+        std::pow(graph.track / graph.sigma_track, 2) + std::pow(graph.delay_s / graph.sigma_delay_s, 2);
     for (const WheelValues& slip : graph.slip)
         for (const double s : slip) cost += s * s / (graph.sigma_slip * graph.sigma_slip);
     for (const Row& row : rows) cost += row.residual * row.residual / row.variance;
     for (const GraphObservation& z : graph.observations) {
-        const Eigen::Vector2d r =
-            innovation(z.observed_base, predicted_line(graph.poses[static_cast<std::size_t>(z.pose)],
-                                                       graph.lines[static_cast<std::size_t>(z.line)]));
+        const Eigen::Vector2d r = innovation(
+            z.observed_base,
+            predicted_line(seen_from(graph, z.pose), graph.lines[static_cast<std::size_t>(z.line)]));
         cost += r.dot(z.information * r);
+    }
+    for (const CalibrationGraph::Tie& tie : graph.ties) {
+        const Eigen::Vector2d r = tie_residual(graph, tie);
+        cost += r.dot(tie.information * r);
     }
     return cost;
 }
@@ -128,19 +148,40 @@ void CalibrationSolver::linearise(const CalibrationGraph& graph, const std::vect
                 H_.add(row.column[i], row.column[j], weighted * row.jacobian[j]);
         }
     for (const GraphObservation& z : graph.observations) {
-        const LineTerm t = line_term(graph.poses[static_cast<std::size_t>(z.pose)],
-                                     graph.lines[static_cast<std::size_t>(z.line)], z.observed_base);
-        Eigen::Matrix<double, 2, 5> J;
-        J << t.to_pose, t.to_line;
-        const Eigen::Matrix<double, 2, 5> weighted = z.information * J;
-        const Eigen::Matrix<double, 5, 5> block = J.transpose() * weighted;
-        const Eigen::Matrix<double, 5, 1> slope = weighted.transpose() * t.residual;
+        const Pose2 T_map_seen = seen_from(graph, z.pose);
+        const LineTerm t =
+            line_term(T_map_seen, graph.lines[static_cast<std::size_t>(z.line)], z.observed_base);
+        const Pose2& pose = graph.poses[static_cast<std::size_t>(z.pose)];
+        const Twist2& v = graph.velocities[static_cast<std::size_t>(z.pose)];
+        const double c = std::cos(T_map_seen.phi_rad), s = std::sin(T_map_seen.phi_rad);
+        Eigen::Matrix3d seen_to_pose = Eigen::Matrix3d::Identity();
+        seen_to_pose.topRightCorner<2, 1>() = turned_left(T_map_seen.translation() - pose.translation());
+        Eigen::Matrix<double, 2, 6> J;
+        J << t.to_pose * seen_to_pose, t.to_line,
+            t.to_pose *
+                Eigen::Vector3d(c * v.forward_m - s * v.left_m, s * v.forward_m + c * v.left_m, v.turn_rad);
+        const Eigen::Matrix<double, 2, 6> weighted = z.information * J;
+        const Eigen::Matrix<double, 6, 6> block = J.transpose() * weighted;
+        const Eigen::Matrix<double, 6, 1> slope = weighted.transpose() * t.residual;
         const auto column = [&](int i) {
-            return i < 3 ? pose_column(z.pose) + i : line_column(z.line) + i - 3;
+            return i < 3 ? pose_column(z.pose) + i : i < 5 ? line_column(z.line) + i - 3 : delay_column();
         };
-        for (int i = z.pose > 0 ? 0 : 3; i < 5; ++i) {
+        for (int i = z.pose > 0 ? 0 : 3; i < 6; ++i) {
             gradient_(column(i)) += slope(i);
             for (int j = z.pose > 0 ? 0 : 3; j <= i; ++j) H_.add(column(i), column(j), block(i, j));
+        }
+    }
+    for (const CalibrationGraph::Tie& tie : graph.ties) {
+        const Eigen::Vector2d slope = tie.information * tie_residual(graph, tie);
+        for (int i = 0; i < 2; ++i) {
+            gradient_(line_column(tie.patch) + i) += slope(i);
+            gradient_(line_column(tie.wall) + i) -= slope(i);
+            for (int j = 0; j < 2; ++j) {
+                H_.add(line_column(tie.patch) + i, line_column(tie.wall) + j, -tie.information(i, j));
+                if (j > i) continue;
+                H_.add(line_column(tie.patch) + i, line_column(tie.patch) + j, tie.information(i, j));
+                H_.add(line_column(tie.wall) + i, line_column(tie.wall) + j, tie.information(i, j));
+            }
         }
     }
     // A line that nothing ties stays where it is instead of making the equations singular.
@@ -156,6 +197,9 @@ void CalibrationSolver::linearise(const CalibrationGraph& graph, const std::vect
     const double track_information = 1 / (graph.sigma_track * graph.sigma_track);
     H_.add(track_column(), track_column(), track_information);
     gradient_(track_column()) += track_information * graph.track;
+    const double delay_information = 1 / (graph.sigma_delay_s * graph.sigma_delay_s);
+    H_.add(delay_column(), delay_column(), delay_information);
+    gradient_(delay_column()) += delay_information * graph.delay_s;
 }
 
 bool CalibrationSolver::factorise() {
@@ -177,6 +221,7 @@ void CalibrationSolver::move(CalibrationGraph& graph, const Eigen::VectorXd& dx)
         q = {q.rho_m + dx(line_column(l)), wrap_to_pi(q.alpha_rad + dx(line_column(l) + 1))};
     }
     graph.track += dx(track_column());
+    graph.delay_s += dx(delay_column());
     for (const Wheel wheel : both_wheels) {
         for (const Regime regime : all_regimes)
             of(graph.slip, regime, wheel) += dx(slip_column(regime, wheel));

@@ -13,20 +13,29 @@
 #include "line_slam/selected_inverse.h"
 #include "line_slam/symmetric_sum.h"
 #include "line_slam/wide_interval.h"
+#include "odometry/twist2.h"
 
 namespace loopline::line_slam {
 
 /// Where slips and track stand among the scales.
 constexpr int track_scale = wheel_kinds;  ///< slips before it, in the order of wheel_noise()
-constexpr int scale_count = track_scale + 1;
+constexpr int delay_scale = track_scale + 1;
+constexpr int scale_count = delay_scale + 1;
 
 struct CalibrationGraph {
     struct Piece {
         DrivePiece drive;
         int stretch = 0;  ///< of consecutive pieces under one regime, whose slip is one
     };
-    std::vector<Pose2> poses;  ///< at steps, and where the regime changes between two; [0] stays
+    std::vector<Pose2> poses;        ///< at steps, and where the regime changes between two; [0] stays
+    std::vector<Twist2> velocities;  ///< there, by the control; a second
+    /// Two lines that are one wall, but for its unevenness.
+    struct Tie {
+        int wall = 0, patch = 0;
+        Eigen::Matrix2d information;  ///< of the difference of (rho, alpha)
+    };
     std::vector<PlanarLine> lines;
+    std::vector<Tie> ties;
     std::vector<Piece> pieces;  ///< [k] from pose k - 1 to pose k; [0] is unused
     std::vector<GraphObservation> observations;
     double track_width_m = 0.5;
@@ -35,7 +44,10 @@ struct CalibrationGraph {
     double track = 0;                     ///< true track width = (1 + track) x track_width_m
     std::vector<WheelValues> deviations;  ///< of each stretch's slip from the regime's
 
-    double sigma_slip = 1;   ///< of slip, a priori: as good as nothing
+    double delay_s = 0;  ///< walls were seen so much later than the poses' times say
+
+    double sigma_slip = 1;  ///< of slip, a priori: as good as nothing
+    double sigma_delay_s = 0.1;
     double sigma_track = 1;  ///< of track, a priori
 };
 
@@ -73,8 +85,9 @@ class CalibrationSolver {
         return line_column(line_count_) + wheel_noise(regime, wheel);
     }
     Eigen::Index track_column() const { return line_column(line_count_) + track_scale; }
+    Eigen::Index delay_column() const { return line_column(line_count_) + delay_scale; }
     Eigen::Index deviation_column(int stretch, Wheel wheel) const {
-        return track_column() + 1 + wheel_count * stretch + static_cast<int>(wheel);
+        return line_column(line_count_) + scale_count + wheel_count * stretch + static_cast<int>(wheel);
     }
     Eigen::Index columns() const { return deviation_column(stretch_count_, Wheel::left); }
 

@@ -43,6 +43,10 @@ class Section {
 
     Calibration take() {
         add_track_width();
+        section_.remarks.push_back("Walls were seen " + rounded(calibration_.delay_s.value) +
+                                   " s later than the scans' stamps say (standard error " +
+                                   rounded(calibration_.delay_s.standard_error) +
+                                   " s), which these keys have been freed of.");
         for (const Regime regime : all_regimes) add_regime(regime);
         add("sigma_side_m", calibration_.sigma_side_m, "all motions together");
         add("sigma_rest_m", calibration_.sigma_rest_m,

@@ -371,6 +371,8 @@ void LineSlam::calibrate(Results& results) const {
     CalibrationParameters parameters;
     parameters.regimes = interval_parameters_.regimes;
     parameters.smoother = smoother_parameters_;
+    parameters.graph.gate = smoother_parameters_.pairing.gate;
+    parameters.graph.wall_correlation_m = slam_parameters_.wall_correlation_m;
     const DriveCalibration calibration = calibrate_drive(slam_->history(), drive_, parameters);
     if (!calibration.good) {
         results.refused =

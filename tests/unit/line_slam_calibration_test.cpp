@@ -24,6 +24,7 @@ CalibrationGraph small_drive(int pieces, std::uint64_t seed) {
     graph.track_width_m = 0.35;
     Pose2 T{-2, -2, 0};
     graph.poses.push_back(T);
+    graph.velocities.emplace_back();
     graph.pieces.emplace_back();
     int stretch = -1;
     for (int k = 1; k <= pieces; ++k) {
@@ -35,6 +36,7 @@ CalibrationGraph small_drive(int pieces, std::uint64_t seed) {
                        0.001 * normal(random)},
                       graph.track_width_m);
         graph.poses.push_back(T);
+        graph.velocities.push_back(log_se2(moved(rolled, graph.track_width_m)) * 10);
         graph.pieces.push_back({{regime, rolled, 0.1}, stretch});
         for (std::size_t w = 0; w < walls.size(); ++w) {
             LineObservation z;
@@ -43,10 +45,19 @@ CalibrationGraph small_drive(int pieces, std::uint64_t seed) {
             graph.observations.push_back({k, static_cast<int>(w), z.line, z.covariance.inverse()});
         }
     }
+    // The second half of the drive sees another patch of each wall.
+    for (int w = 0; w < static_cast<int>(walls.size()); ++w) {
+        const int patch = static_cast<int>(graph.lines.size());
+        graph.lines.push_back(graph.lines[static_cast<std::size_t>(w)]);
+        graph.ties.push_back({w, patch, Eigen::Vector2d(1e6, 1e5).asDiagonal()});
+        for (GraphObservation& z : graph.observations)
+            if (z.line == w && 2 * z.pose > pieces) z.line = patch;
+    }
     graph.deviations.resize(static_cast<std::size_t>(stretch) + 1);
     // So that all stays nearly linear, which the comparisons presume.
     graph.sigma_slip = 0.02;
     graph.sigma_track = 0.01;
+    graph.sigma_delay_s = 0.01;
     return graph;
 }
 
@@ -67,6 +78,9 @@ class DenseDrive {
 
     Eigen::Index pieces() const { return static_cast<Eigen::Index>(graph_.pieces.size()) - 1; }
     Eigen::Index stretches() const { return static_cast<Eigen::Index>(graph_.deviations.size()); }
+    Eigen::Index observations() const {
+        return 2 * static_cast<Eigen::Index>(graph_.observations.size() + graph_.ties.size());
+    }
     Eigen::Index randoms() const { return 3 * pieces() + 2 * stretches() + scale_count; }
     Eigen::Index size() const { return randoms() + 2 * static_cast<Eigen::Index>(graph_.lines.size()); }
 
@@ -82,6 +96,7 @@ class DenseDrive {
             for (const Wheel wheel : both_wheels)
                 x(scales + wheel_noise(regime, wheel)) = of(least.slip, regime, wheel);
         x(scales + track_scale) = least.track;
+        x(scales + delay_scale) = least.delay_s;
         for (std::size_t l = 0; l < graph_.lines.size(); ++l)
             x.segment<2>(randoms() + 2 * static_cast<Eigen::Index>(l)) =
                 innovation(least.lines[l], graph_.lines[l]);
@@ -105,21 +120,29 @@ class DenseDrive {
                 poses.back() *
                 moved({t.left_m + x(3 * k), t.right_m + x(3 * k + 1), x(3 * k + 2)}, graph_.track_width_m));
         }
-        Eigen::VectorXd r(2 * static_cast<Eigen::Index>(graph_.observations.size()));
+        const auto line = [&](int l) {
+            const PlanarLine& at = graph_.lines[static_cast<std::size_t>(l)];
+            return PlanarLine{at.rho_m + x(randoms() + 2 * l), at.alpha_rad + x(randoms() + 2 * l + 1)};
+        };
+        Eigen::VectorXd r(observations());
         for (std::size_t o = 0; o < graph_.observations.size(); ++o) {
             const GraphObservation& z = graph_.observations[o];
-            const auto l = static_cast<std::size_t>(z.line);
-            const PlanarLine line{graph_.lines[l].rho_m + x(randoms() + 2 * z.line),
-                                  graph_.lines[l].alpha_rad + x(randoms() + 2 * z.line + 1)};
+            const auto at = static_cast<std::size_t>(z.pose);
+            const Pose2 T_map_seen =
+                poses[at] * exp_se2(graph_.velocities[at] * x(randoms() - scale_count + delay_scale));
             r.segment<2>(2 * static_cast<Eigen::Index>(o)) =
-                innovation(z.observed_base, predicted_line(poses[static_cast<std::size_t>(z.pose)], line));
+                innovation(z.observed_base, predicted_line(T_map_seen, line(z.line)));
         }
+        // That patch and wall are one is one more observation.
+        for (std::size_t t = 0; t < graph_.ties.size(); ++t)
+            r.segment<2>(2 * static_cast<Eigen::Index>(graph_.observations.size() + t)) =
+                innovation(line(graph_.ties[t].wall), line(graph_.ties[t].patch));
         return r;
     }
 
     /// Linearised at `x`: minus twice the logarithm of the restricted likelihood, up to a constant.
     double minus_two_log_likelihood(const Eigen::VectorXd& x, const NoiseVector& log_variance) const {
-        Eigen::MatrixXd J(2 * static_cast<Eigen::Index>(graph_.observations.size()), size());
+        Eigen::MatrixXd J(observations(), size());
         for (Eigen::Index i = 0; i < size(); ++i) {
             Eigen::VectorXd a = x, b = x;
             a(i) += 1e-6, b(i) -= 1e-6;
@@ -130,6 +153,10 @@ class DenseDrive {
         for (std::size_t o = 0; o < graph_.observations.size(); ++o)
             V.block<2, 2>(2 * static_cast<Eigen::Index>(o), 2 * static_cast<Eigen::Index>(o)) +=
                 graph_.observations[o].information.inverse();
+        for (std::size_t t = 0; t < graph_.ties.size(); ++t)
+            V.bottomRightCorner(2 * static_cast<Eigen::Index>(graph_.ties.size() - t),
+                                2 * static_cast<Eigen::Index>(graph_.ties.size() - t))
+                .topLeftCorner<2, 2>() += graph_.ties[t].information.inverse();
         const Eigen::VectorXd v = residual(x) + J * x;
         const Eigen::LDLT<Eigen::MatrixXd> of_V(V);
         const Eigen::MatrixXd of_walls = walls.transpose() * of_V.solve(walls);
@@ -167,7 +194,8 @@ class DenseDrive {
             Q(3 * k + 2) = rest + std::exp(log_variance(side_noise)) * mean_way_m(drive.rolled);
         }
         Q.tail(scale_count).setConstant(graph_.sigma_slip * graph_.sigma_slip);
-        Q(randoms() - 1) = graph_.sigma_track * graph_.sigma_track;
+        Q(randoms() - scale_count + track_scale) = graph_.sigma_track * graph_.sigma_track;
+        Q(randoms() - scale_count + delay_scale) = graph_.sigma_delay_s * graph_.sigma_delay_s;
         return Q;
     }
 
@@ -267,7 +295,7 @@ DriveCalibration plain_calibration() {
     found.sigma_side_m = {0.01, 0.001};
     found.sigma_rest_m = {1e-4, 1e-5};
     for (std::size_t r = 0; r < regime_count; ++r) {
-        found.amounts[r] = {100, 5, 50.0, {10.0, 10.0}, {{{0.2, 0.01}, {0.3, 0.01}}}};
+        found.amounts[r] = {100, 5, 50.0, {10.0, 10.0}, {2.0, 2.0}, {{{0.2, 0.01}, {0.3, 0.01}}}};
         found.wheels[r].fill({{0.1, 0.01}, {0.02, 0.002}, {0.015, 0.002}, {1e-4, 1e-3}});
     }
     return found;
