@@ -102,7 +102,7 @@ TEST(TruePath, interpolates_on_the_arc_in_any_order_of_times_and_not_across_gaps
     EXPECT_FALSE(path.at(-1));
     EXPECT_FALSE(path.at(11 * second_ns));
     EXPECT_NEAR(path.at(second_ns / 3)->translation_m.y(), 2 - 2 * std::cos(M_PI / 6), 1e-9);
-    EXPECT_FALSE(TruePath({}).at(0));
+    EXPECT_FALSE(TruePath(std::vector<StampedPose>{}).at(0));
 }
 
 TEST(FeaturePoints, the_mean_of_the_returns_within_5_cm_as_worked_out_by_hand) {

@@ -129,6 +129,8 @@ TEST(LogFile, a_damaged_file_gives_the_bytes_and_the_failure_that_zlib_gives) {
             file.resize(1 + random() % file.size());
         else
             file[random() % file.size()] ^= static_cast<char>(1 << random() % 8);
+        if (i % 10 == 2)
+            file = whole, file[12 + random() % 20] ^= 0x55;  // where a block says how it is packed
         if (i % 10 == 1) file = whole, file[file.size() - 1 - random() % 8] ^= 4;
         write_file(folder / "damaged", file);
         const auto expected = by_zlib(folder / "damaged"), reading = by_log_file(folder / "damaged");

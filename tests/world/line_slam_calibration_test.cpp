@@ -103,7 +103,7 @@ TEST(LineSlamCalibration, turns_of_many_curvatures_tell_the_track_width) {
 /// before.
 TEST(LineSlamCalibration, a_run_with_it_predicts_as_well_as_it_says) {
     SlippingDrive drive;
-    drive.corners = 60;
+    drive.corners = 150;
     drive.smallest_inner_m = 0;
     drive.largest_inner_m = 0.012;
     drive.odometry_track_width_m = drive.slam.drive.track_width_m = 0.40;

@@ -1,4 +1,4 @@
-/// The filter in a small square ring, 50 seeds: is its covariance that of its error? Normalised estimation
+/// The filter in a small square ring, 200 seeds: is its covariance that of its error? Normalised estimation
 /// error squared (NEES) inside the 95 % band, with wheels whose diameters are not what they are said to be.
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using namespace loopline::line_slam;
 
 namespace {
 
-constexpr int seeds = 50;
+constexpr int seeds = 200;
 constexpr double side_m = 8, step_m = 0.1;
 
 struct RingRun {
@@ -74,9 +74,9 @@ double nees(const Pose2& estimate, const Pose2& truth, const Eigen::Matrix3d& co
     return e.dot(covariance.inverse() * e);
 }
 
-/// Bounds of the mean of `seeds` independent NEES of three degrees of freedom: chi-square with 150
+/// Bounds of the mean of `seeds` independent NEES of three degrees of freedom: chi-square with 600
 /// degrees, 2.5 % each side.
-constexpr double lower = 117.98 / seeds, upper = 185.80 / seeds;
+constexpr double lower = 534.02 / seeds, upper = 669.77 / seeds;
 
 TEST(LineSlamConsistency, nees_stays_in_its_band_around_the_ring) {
     std::vector<RingRun> runs;

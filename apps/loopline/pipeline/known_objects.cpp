@@ -158,15 +158,20 @@ std::size_t read_odometry(Bytes bytes, CObservationOdometry& odometry) {
     if (!read_pose(bytes, odometry.odometry)) return 0;
     const auto label = bytes.next<std::uint32_t>();
     if (label > longest_label) return 0;
-    const std::size_t at_most = label + odometry_middle_bytes + tick_bytes + 1 + velocity_bytes + 1;
-    if (!bytes.has(at_most)) return bytes.passed() + at_most;
+    // What follows a flag is there if the flag says so: as many bytes are asked for as are sure to come.
+    const std::size_t to_ticks = label + odometry_middle_bytes;
+    if (!bytes.has(to_ticks + 2)) return bytes.passed() + to_ticks + 2;
 
     odometry.sensorLabel.assign(reinterpret_cast<const char*>(bytes.take(label)), label);
     odometry.timestamp = next_time(bytes);
     if (!bytes.next_flag(odometry.hasEncodersInfo)) return 0;
+    const std::size_t to_velocities = (odometry.hasEncodersInfo ? tick_bytes : 0) + 1;
+    if (!bytes.has(to_velocities + 1)) return bytes.passed() + to_velocities + 1;
     odometry.encoderLeftTicks = odometry.hasEncodersInfo ? bytes.next<std::int32_t>() : 0;
     odometry.encoderRightTicks = odometry.hasEncodersInfo ? bytes.next<std::int32_t>() : 0;
     if (!bytes.next_flag(odometry.hasVelocities)) return 0;
+    const std::size_t to_end = (odometry.hasVelocities ? velocity_bytes : 0) + 1;
+    if (!bytes.has(to_end)) return bytes.passed() + to_end;
     odometry.velocityLocal = {};
     if (odometry.hasVelocities)
         for (double* part :

@@ -122,16 +122,10 @@ std::size_t LogFile::append_plain(unsigned char* to, std::size_t room) {
 std::size_t LogFile::append_unpacked(unsigned char* to, std::size_t room) {
     std::size_t unpacked = 0;
     auto status = unpacker_->unpack(to, room, unpacked);
-    if (format_ == Format::igzip && status == GzipUnpacker::Status::bad_data) {
-        // What is wrong, and all bytes before it: zlib says it.
-        std::size_t more = 0;
-        unpacked_bytes_ += unpacked;
-        status = unpack_with_zlib(to + unpacked, room - unpacked, more);
-        unpacked += more;
-        unpacked_bytes_ += more;
-    } else {
-        unpacked_bytes_ += unpacked;
-    }
+    // What is wrong, and which bytes before it are right: zlib says it.
+    if (format_ == Format::igzip && status == GzipUnpacker::Status::bad_data)
+        status = unpack_with_zlib(to, room, unpacked);
+    unpacked_bytes_ += unpacked;
     failure_ = failure_of(status);
     ended_ = status == GzipUnpacker::Status::end;
     return unpacked;
@@ -143,15 +137,15 @@ GzipUnpacker::Status LogFile::unpack_with_zlib(unsigned char* to, std::size_t ro
     unpacker_ = make_zlib_unpacker(packed_);
     format_ = Format::zlib;
     std::vector<unsigned char> known(ready_bytes);
+    auto ended_as = GzipUnpacker::Status::more;
     for (std::uint64_t missing = unpacked_bytes_; missing > 0; missing -= unpacked) {
         const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(missing, known.size()));
-        const auto status = unpacker_->unpack(known.data(), part, unpacked);
-        if (unpacked == part) continue;
-        unpacked = 0;
-        return status;
+        ended_as = unpacker_->unpack(known.data(), part, unpacked);
+        if (unpacked < part || ended_as != GzipUnpacker::Status::more) break;
     }
     unpacked = 0;
-    return room > 0 ? unpacker_->unpack(to, room, unpacked) : GzipUnpacker::Status::more;
+    if (ended_as != GzipUnpacker::Status::more || room == 0) return ended_as;
+    return unpacker_->unpack(to, room, unpacked);
 }
 
 }  // namespace loopline

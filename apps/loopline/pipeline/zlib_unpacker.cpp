@@ -32,7 +32,7 @@ class ZlibUnpacker : public GzipUnpacker {
     Status step() {
         if (file_.size() < 2 && !file_.fill()) {
             if (file_.failed()) return Status::io_error;
-            if (file_.size() == 0) return inside_member_ ? Status::cut_short : Status::end;
+            if (file_.size() == 0) return inside_member_ ? rest() : Status::end;
         }
         if (!inside_member_) {
             if (!starts_gzip_member(file_)) return Status::end;
@@ -45,6 +45,14 @@ class ZlibUnpacker : public GzipUnpacker {
         file_.take(file_.size() - inflater_.avail_in);
         if (status == Z_STREAM_END) inside_member_ = false;
         return status == Z_OK || status == Z_STREAM_END || status == Z_BUF_ERROR ? Status::more : complaint();
+    }
+
+    /// What zlib has read but not yet handed out, when no more comes.
+    Status rest() {
+        const uInt room_before = inflater_.avail_out;
+        inflater_.avail_in = 0;
+        inflate(&inflater_, Z_SYNC_FLUSH);
+        return inflater_.avail_out < room_before ? Status::more : Status::cut_short;
     }
 
     Status complaint() const {
