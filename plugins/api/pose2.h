@@ -13,7 +13,8 @@ inline double wrap_to_pi(double angle_rad) {
     return wrapped <= -M_PI ? wrapped + 2 * M_PI : wrapped;
 }
 
-/// A planar rigid transform: `T_a_b` maps coordinates in frame b to frame a. x forward, y left, phi counter-clockwise.
+/// A planar rigid transform: `T_a_b` maps coordinates in frame b to frame a. x forward, y left, phi
+/// counter-clockwise.
 struct Pose2 {
     double x_m = 0;
     double y_m = 0;
@@ -38,6 +39,25 @@ struct Pose2 {
         const double c = std::cos(phi_rad), s = std::sin(phi_rad);
         return {-c * x_m - s * y_m, s * x_m - c * y_m, wrap_to_pi(-phi_rad)};
     }
+};
+
+/// A pose prepared for many products with it in front: its sine and cosine are taken once.
+class PreparedPose2 {
+ public:
+    PreparedPose2() = default;
+    explicit PreparedPose2(const Pose2& T_a_b)
+        : T_a_b_(T_a_b), cos_(std::cos(T_a_b.phi_rad)), sin_(std::sin(T_a_b.phi_rad)) {}
+
+    const Pose2& pose() const { return T_a_b_; }
+    /// T_a_c = T_a_b * T_b_c, as Pose2 has it.
+    Pose2 operator*(const Pose2& T_b_c) const {
+        return {T_a_b_.x_m + cos_ * T_b_c.x_m - sin_ * T_b_c.y_m,
+                T_a_b_.y_m + sin_ * T_b_c.x_m + cos_ * T_b_c.y_m, wrap_to_pi(T_a_b_.phi_rad + T_b_c.phi_rad)};
+    }
+
+ private:
+    Pose2 T_a_b_;
+    double cos_ = 1, sin_ = 0;
 };
 
 }  // namespace loopline

@@ -9,32 +9,40 @@ namespace loopline {
 namespace {
 
 bool encloses(const TrajectoryEntry& a, const TrajectoryEntry& b, StampNs stamp_ns) {
-    return (a.stamp_ns <= stamp_ns && stamp_ns <= b.stamp_ns) || (b.stamp_ns <= stamp_ns && stamp_ns <= a.stamp_ns);
+    return (a.stamp_ns <= stamp_ns && stamp_ns <= b.stamp_ns) ||
+           (b.stamp_ns <= stamp_ns && stamp_ns <= a.stamp_ns);
 }
 
 }  // namespace
 
 void Trajectory::append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base,
-                        const Matrix6d& covariance) {
+                        const PoseCovariance& covariance) {
     assert(entries_.empty() || sequence > entries_.back().sequence);
-    entries_.push_back({sequence, stamp_ns, T_map_base, covariance, T_map_base});
+    entries_.push_back({sequence, stamp_ns, T_map_base, covariance});
+    if (!online_.empty()) online_.push_back(T_map_base);
 }
 
-void Trajectory::replace_last(const Pose3& T_map_base, const Matrix6d& covariance) {
+void Trajectory::replace_last(const Pose3& T_map_base, const PoseCovariance& covariance) {
     assert(!entries_.empty());
-    revise(entries_.size() - 1, T_map_base, covariance);
-    entries_.back().T_map_base_online = T_map_base;
+    entries_.back().T_map_base = T_map_base;
+    entries_.back().covariance = covariance;
+    if (!online_.empty()) online_.back() = T_map_base;
 }
 
-void Trajectory::revise(std::size_t index, const Pose3& T_map_base, const Matrix6d& covariance) {
+void Trajectory::revise(std::size_t index, const Pose3& T_map_base, const PoseCovariance& covariance) {
     assert(index < entries_.size());
+    if (online_.empty()) {
+        online_.reserve(entries_.capacity());
+        for (const TrajectoryEntry& entry : entries_) online_.push_back(entry.T_map_base);
+    }
     entries_[index].T_map_base = T_map_base;
     entries_[index].covariance = covariance;
 }
 
 const TrajectoryEntry* Trajectory::find(std::uint64_t sequence) const {
-    const auto found = std::lower_bound(entries_.begin(), entries_.end(), sequence,
-                                        [](const TrajectoryEntry& e, std::uint64_t s) { return e.sequence < s; });
+    const auto found =
+        std::lower_bound(entries_.begin(), entries_.end(), sequence,
+                         [](const TrajectoryEntry& e, std::uint64_t s) { return e.sequence < s; });
     return found == entries_.end() || found->sequence != sequence ? nullptr : &*found;
 }
 

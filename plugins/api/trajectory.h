@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "api/pose3.h"
+#include "api/pose_covariance.h"
 #include "api/stamp.h"
 
 namespace loopline {
@@ -16,9 +17,8 @@ struct TrajectoryEntry {
     std::uint64_t sequence =
         0;  ///< of the observation that this pose belongs to (its place in the merged log)
     StampNs stamp_ns = 0;
-    Pose3 T_map_base;                        ///< the latest revision
-    Matrix6d covariance = Matrix6d::Zero();  ///< of the latest revision
-    Pose3 T_map_base_online;                 ///< what was known at `stamp_ns`, before any later revision
+    Pose3 T_map_base;           ///< the latest revision
+    PoseCovariance covariance;  ///< of the latest revision
 };
 
 /// Poses in log order. In some logs stamps go backwards while file order is right, so `sequence` is the key
@@ -30,19 +30,23 @@ class Trajectory {
     /// Adds a pose for a later observation than the last one. Online and latest estimate are the same at
     /// first.
     void append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base,
-                const Matrix6d& covariance);
+                const PoseCovariance& covariance);
 
     /// Replaces the last entry, its online estimate too: what was known at the time is known only now.
-    void replace_last(const Pose3& T_map_base, const Matrix6d& covariance);
+    void replace_last(const Pose3& T_map_base, const PoseCovariance& covariance);
 
     /// Replaces the latest estimate of entry `index` (smoothing, loop closing); the online one stays.
     /// Call `finish_revision()` after the last of a batch.
-    void revise(std::size_t index, const Pose3& T_map_base, const Matrix6d& covariance);
+    void revise(std::size_t index, const Pose3& T_map_base, const PoseCovariance& covariance);
     void finish_revision() { ++revision_; }
     /// Counts the batches of revisions, so that a map builder knows that it has to draw again.
     std::uint64_t revision() const { return revision_; }
 
     const std::vector<TrajectoryEntry>& entries() const { return entries_; }
+    /// What was known at the time of entry `index`, before any later revision.
+    const Pose3& T_map_base_online(std::size_t index) const {
+        return online_.empty() ? entries_[index].T_map_base : online_[index];
+    }
     bool empty() const { return entries_.empty(); }
     std::size_t size() const { return entries_.size(); }
 
@@ -62,6 +66,7 @@ class Trajectory {
 
  private:
     std::vector<TrajectoryEntry> entries_;
+    std::vector<Pose3> online_;  ///< beside them; empty as long as nothing was revised
     std::uint64_t revision_ = 0;
 };
 

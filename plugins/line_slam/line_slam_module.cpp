@@ -21,15 +21,6 @@ namespace {
 
 using namespace line_slam;
 
-Matrix6d spatial_covariance(const Eigen::Matrix3d& planar) {
-    constexpr int index[3] = {0, 1, 5};  // x, y, yaw of (x y z roll pitch yaw)
-    Matrix6d covariance = Matrix6d::Zero();
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            covariance(index[row], index[column]) = planar(row, column);
-    return covariance;
-}
-
 mrpt::obs::CObservationRobotPose::Ptr pose_observation(const Pose2& T_map_base,
                                                        const Eigen::Matrix3d& covariance) {
     auto observation = mrpt::obs::CObservationRobotPose::Create();
@@ -312,23 +303,25 @@ void LineSlam::step(const Scan& scan, Publisher& publisher) {
 /// As it was known at each time: by the filter at its steps, by the wheels since the last step between them.
 void LineSlam::lay_out_trajectory() {
     trajectory_.reserve(places_.size());
-    StepPose step{Pose2{}, Eigen::Matrix3d::Zero()};
+    PreparedPose2 T_map_step;
+    Eigen::Matrix3d step_covariance = Eigen::Matrix3d::Zero();
     std::size_t steps = 0;
     for (const ScanPlace& place : places_) {
         if (place.is_step) {
-            step = steps_[steps++];
-            trajectory_.append(place.sequence, place.stamp_ns, Pose3(step.T_map_base),
-                               spatial_covariance(step.covariance));
+            T_map_step = PreparedPose2(steps_[steps].T_map_base);
+            step_covariance = steps_[steps++].covariance;
+            trajectory_.append(place.sequence, place.stamp_ns, Pose3(T_map_step.pose()),
+                               PoseCovariance::planar(step_covariance));
             continue;
         }
         // The step's own error turns the way since then about it.
-        const Pose2 T_map_base = step.T_map_base * place.T_step_base;
+        const Pose2 T_map_base = T_map_step * place.T_step_base;
         Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
         carried.topRightCorner<2, 1>() =
-            turned_left(T_map_base.translation() - step.T_map_base.translation());
+            turned_left(T_map_base.translation() - T_map_step.pose().translation());
         trajectory_.append(place.sequence, place.stamp_ns, Pose3(T_map_base),
-                           spatial_covariance(carried * step.covariance * carried.transpose() +
-                                              noise_since_step(step.T_map_base, place)));
+                           PoseCovariance::planar(carried * step_covariance * carried.transpose() +
+                                                  noise_since_step(T_map_step.pose(), place)));
     }
 }
 
@@ -345,7 +338,8 @@ void LineSlam::revise_trajectory(const SmoothedPath& smoothed) {
     std::size_t step = 0, last = 0;
     for (std::size_t k = 0; k < places_.size(); ++k) {
         if (!places_[k].is_step) continue;
-        trajectory_.revise(k, Pose3(smoothed.poses[step]), spatial_covariance(smoothed.covariances[step]));
+        trajectory_.revise(k, Pose3(smoothed.poses[step]),
+                           PoseCovariance::planar(smoothed.covariances[step]));
         if (step > 0) revise_between(last, k);
         last = k;
         ++step;
@@ -355,15 +349,18 @@ void LineSlam::revise_trajectory(const SmoothedPath& smoothed) {
 
 void LineSlam::revise_between(std::size_t from, std::size_t to) {
     const auto& entries = trajectory_.entries();
-    const Pose2 T_map_from = entries[from].T_map_base.planar(), T_map_to = entries[to].T_map_base.planar();
+    const PreparedPose2 T_map_from(entries[from].T_map_base.planar());
+    const Pose2 T_map_to = entries[to].T_map_base.planar();
     const Twist2 bend = log_se2((T_map_from * places_[to].T_step_base).inverse() * T_map_to);
-    const Matrix6d noise = spatial_covariance(noise_since_step(T_map_from, places_[to]));
+    const Eigen::Matrix3d noise = noise_since_step(T_map_from.pose(), places_[to]),
+                          covariance_from = entries[from].covariance.planar(),
+                          covariance_to = entries[to].covariance.planar();
     for (std::size_t k = from + 1; k < to; ++k) {
         const double u = static_cast<double>(k - from) / static_cast<double>(to - from);
         // Between two known poses the wheels' noise is that of a bridge.
         trajectory_.revise(
             k, Pose3(T_map_from * places_[k].T_step_base * exp_se2(bend * u)),
-            (1 - u) * entries[from].covariance + u * entries[to].covariance + u * (1 - u) * noise);
+            PoseCovariance::planar((1 - u) * covariance_from + u * covariance_to + u * (1 - u) * noise));
     }
 }
 

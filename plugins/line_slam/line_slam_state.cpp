@@ -85,7 +85,9 @@ template <class Archive>
 void fields(Archive& archive, WideInterval& interval) {
     auto& i = interval;
     archive(i.watch_, i.regime_, i.regime_at_step_, i.speed_at_step_, i.begun_);
-    archive(i.T_odom_base_, i.T_step_odom_, i.T_step_base_, i.T_step_previous_);
+    Pose2 T_step_odom = i.T_step_odom_.pose();
+    archive(i.T_odom_base_, T_step_odom, i.T_step_base_, i.T_step_previous_);
+    i.T_step_odom_ = PreparedPose2(T_step_odom);
     archive.each(i.stretches_, [](auto& a, auto& s) { a(s.regime, s.T_step_from, s.from_s); });
     archive(i.duration_s_, i.last_duration_s_, i.way_m_, i.scans_, i.re_predictions_);
 }

@@ -11,7 +11,7 @@ namespace loopline::line_slam {
 namespace {
 
 constexpr double same_direction_rad = 0.15;
-constexpr double coarse_angle_rad = 0.3, coarse_distance_m = 1.0;
+constexpr double sight_angle_rad = 0.3, sight_distance_m = 1.0;
 
 std::size_t index(int i) {
     return static_cast<std::size_t>(i);
@@ -118,15 +118,15 @@ bool pair_again(const History& history, const std::vector<Pose2>& poses, const s
             double least = parameters.gate;
             for (const Sight& s : sights) {
                 const double rho_m = s.wall->line.rho_m;
-                if (std::abs(s.normal.dot(start_m) - rho_m) > coarse_distance_m ||
-                    std::abs(s.normal.dot(end_m) - rho_m) > coarse_distance_m)
+                if (std::abs(s.normal.dot(start_m) - rho_m) > sight_distance_m ||
+                    std::abs(s.normal.dot(end_m) - rho_m) > sight_distance_m)
                     continue;
                 const double a_m = s.tangent.dot(start_m), b_m = s.tangent.dot(end_m);
                 if (s.wall->extent.overlap_m({std::min(a_m, b_m), std::max(a_m, b_m)}) <
                     -parameters.max_gap_m)
                     continue;
                 const Eigen::Vector2d v = innovation(z.line, predicted_line(poses[k], s.wall->line));
-                if (std::abs(v.y()) > coarse_angle_rad) continue;
+                if (std::abs(v.y()) > sight_angle_rad) continue;
                 const double distance2 = v.dot(z.covariance.llt().solve(v));
                 if (distance2 < least) {
                     least = distance2;

@@ -15,7 +15,7 @@ WheelTravel travel_at(const WheelSpeed& speed, double duration_s) {
 }  // namespace
 
 bool WideInterval::add(const ScanMotion& motion) {
-    if (!begun_) T_step_odom_ = motion.T_odom_base.inverse();
+    if (!begun_) T_step_odom_ = PreparedPose2(motion.T_odom_base.inverse());
     T_odom_base_ = motion.T_odom_base;
     T_step_previous_ = T_step_base_;
     T_step_base_ = T_step_odom_ * motion.T_odom_base;
@@ -119,7 +119,7 @@ void WideInterval::restart() {
     }
     regime_at_step_ = regime_;
     stretches_.clear();
-    T_step_odom_ = T_odom_base_.inverse();
+    T_step_odom_ = PreparedPose2(T_odom_base_.inverse());
     T_step_base_ = T_step_previous_ = Pose2{};
     duration_s_ = way_m_ = 0;
     scans_ = 0;

@@ -96,7 +96,8 @@ class WideInterval {
     Regime regime_ = Regime::straight, regime_at_step_ = Regime::straight;
     WheelSpeed speed_at_step_;
     bool begun_ = false;
-    Pose2 T_odom_base_, T_step_odom_, T_step_base_, T_step_previous_;
+    PreparedPose2 T_step_odom_;
+    Pose2 T_odom_base_, T_step_base_, T_step_previous_;
     std::vector<Stretch> stretches_;
     double duration_s_ = 0, last_duration_s_ = 0;
     double way_m_ = 0;

@@ -57,7 +57,7 @@ void SimpleMapBuilder::insert(const StreamItem& item) {
     const auto last = T_map_last_.find(scan_.observation().sensorLabel);
     if (last != T_map_last_.end() && !is_keyframe(T_map_base, last->second)) return;
     T_map_last_[scan_.observation().sensorLabel] = T_map_base;
-    if (static_cast<std::int64_t>(map_->size()) >= max_keyframes_ || !scan_.entry().covariance.allFinite()) {
+    if (static_cast<std::int64_t>(map_->size()) >= max_keyframes_ || !scan_.entry().covariance.is_finite()) {
         ++left_out_;
         return;
     }

@@ -32,13 +32,6 @@ void OdometryAtScans::add_scan(std::uint64_t scan, StampNs stamp_ns) {
     scans_.push_back({scan, stamp_ns, end() - 1});
 }
 
-std::optional<PlacedScan> OdometryAtScans::next() {
-    if (scans_.empty()) return std::nullopt;
-    const auto placed = place(scans_.front());
-    if (placed) scans_.pop_front();
-    return placed;
-}
-
 std::optional<PlacedScan> OdometryAtScans::next_at_end() {
     if (scans_.empty() || samples_.empty()) return std::nullopt;
     if (auto placed = next()) return placed;
@@ -99,7 +92,7 @@ PlacedScan OdometryAtScans::on_segment(const WaitingScan& scan, std::ptrdiff_t f
     const OdometrySample& b = sample(first + 1);
     const Segment& segment = segment_from(first);
     placed.velocity = segment.velocity;
-    placed.T_odom_base = u == 1 ? b.T_odom_base : a.T_odom_base * exp_se2(segment.motion * u);
+    placed.T_odom_base = u == 1 ? b.T_odom_base : segment.T_odom_base * exp_se2(segment.motion * u);
     placed.ticks.reset();
     if (a.ticks && b.ticks)
         placed.ticks =
@@ -111,6 +104,7 @@ const OdometryAtScans::Segment& OdometryAtScans::segment_from(std::ptrdiff_t fir
     if (segment_.first == first) return segment_;
     const auto &a = sample(first), &b = sample(first + 1);
     segment_.first = first;
+    segment_.T_odom_base = PreparedPose2(a.T_odom_base);
     segment_.motion = log_se2(a.T_odom_base.inverse() * b.T_odom_base);
     segment_.velocity.reset();
     const double duration_s = seconds_between(a.stamp_ns, b.stamp_ns);

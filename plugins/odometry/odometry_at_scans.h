@@ -50,7 +50,12 @@ class OdometryAtScans {
     void add_scan(std::uint64_t scan, StampNs stamp_ns);
 
     /// The next scan, in the order in which they came, as soon as its pose is known.
-    std::optional<PlacedScan> next();
+    std::optional<PlacedScan> next() {
+        if (scans_.empty()) return std::nullopt;
+        auto placed = place(scans_.front());
+        if (placed) scans_.pop_front();
+        return placed;
+    }
     /// The next scan when the log has ended: what still waits is extrapolated at constant velocity. None
     /// without odometry.
     std::optional<PlacedScan> next_at_end();
@@ -70,6 +75,7 @@ class OdometryAtScans {
     /// The motion from a sample to the next one, on which several scans lie as a rule.
     struct Segment {
         std::ptrdiff_t first = -1;  ///< of the two samples; -1: none yet
+        PreparedPose2 T_odom_base;
         Twist2 motion;
         std::optional<Twist2> velocity;  ///< none if the two are at about the same time
     };

@@ -17,15 +17,6 @@ bool is_finite(const mrpt::poses::CPose2D& pose) {
     return std::isfinite(pose.x()) && std::isfinite(pose.y()) && std::isfinite(pose.phi());
 }
 
-Matrix6d spatial_covariance(const Eigen::Matrix3d& planar) {
-    Matrix6d covariance = Matrix6d::Zero();
-    const int index[3] = {0, 1, 5};  // x, y, yaw of (x y z roll pitch yaw)
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            covariance(index[row], index[column]) = planar(row, column);
-    return covariance;
-}
-
 }  // namespace
 
 ModuleInfo Odometry::info() const {
@@ -164,7 +155,7 @@ void Odometry::publish(const PlacedScan& placed, Publisher& publisher) {
 void Odometry::lay_out_trajectory() {
     if (path_.empty()) return;
     trajectory_.reserve(path_.size());
-    const Pose2 T_map_odom = path_.front().T_odom_base.inverse();
+    const PreparedPose2 T_map_odom(path_.front().T_odom_base.inverse());
     Pose2 T_map_previous;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (const DeadReckoned& scan : path_) {
@@ -172,7 +163,8 @@ void Odometry::lay_out_trajectory() {
         if (&scan != &path_.front())
             covariance = propagate_covariance(covariance, T_map_previous, T_map_base, noise_);
         T_map_previous = T_map_base;
-        trajectory_.append(scan.sequence, scan.stamp_ns, Pose3(T_map_base), spatial_covariance(covariance));
+        trajectory_.append(scan.sequence, scan.stamp_ns, Pose3(T_map_base),
+                           PoseCovariance::planar(covariance));
     }
 }
 

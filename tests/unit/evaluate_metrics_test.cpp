@@ -9,12 +9,12 @@
 #include "evaluate/kitti_segments.h"
 #include "evaluate/relations.h"
 #include "evaluate/relative_error.h"
+#include "support/second.h"
 
 using namespace loopline;
+using loopline::test::second_ns;
 
 namespace {
-
-constexpr StampNs second_ns = 1'000'000'000;
 
 StampedPose planar(double stamp_s, double x_m, double y_m, double phi_rad) {
     return {static_cast<StampNs>(std::llround(stamp_s * 1e9)), Pose3(Pose2{x_m, y_m, phi_rad})};
@@ -76,6 +76,32 @@ TEST(Association, agrees_with_brute_force_on_stamps_in_any_order) {
     EXPECT_TRUE(associate_by_stamp(estimate, {}, 1).empty());
     EXPECT_EQ(associate_by_stamp({planar(1, 0, 0, 0)}, {planar(1.1, 0, 0, 0)}, 0.1).size(), 1u)
         << "the limit counts";
+}
+
+TEST(Association, tracked_positions_are_interpolated_for_the_point_that_was_tracked) {
+    // A vehicle turns on a circle of 2 m; a mark 0.5 m ahead and 0.2 m left of it is tracked at other times.
+    std::vector<StampedPose> estimate, tracked;
+    const Eigen::Vector2d mark_m(0.5, 0.2);
+    const auto on_circle = [](double stamp_s) {
+        return planar(stamp_s, 2 * std::cos(0.1 * stamp_s), 2 * std::sin(0.1 * stamp_s), 0.1 * stamp_s + M_PI / 2);
+    };
+    for (int i = 0; i < 100; ++i) estimate.push_back(on_circle(0.37 * i));
+    for (int i = 99; i >= 0; --i) {
+        StampedPose& p = tracked.emplace_back(on_circle(0.4 * i));
+        p.T_map_base.translation_m.head<2>() = p.T_map_base.planar() * mark_m;
+        p.T_map_base.rotation.setIdentity();
+    }
+    const auto pairs = associate_positions(way_of_point(estimate, mark_m), tracked, 0.2);
+    EXPECT_EQ(pairs.size(), 100u);
+    // A chord of 0.4 s leaves the circle by r (0.04 rad)^2 / 8 = 0.5 mm.
+    EXPECT_LT(absolute_error(pairs, Alignment::none).distance_m.max, 0.6e-3);
+    EXPECT_GT(absolute_error(associate_positions(estimate, tracked, 0.2), Alignment::planar).distance_m.rmse, 1e-3);
+
+    const std::vector<StampedPose> far = {planar(0, 0, 0, 0), planar(10, 10, 0, 0)};
+    EXPECT_EQ(associate_positions({planar(0.1, 0, 0, 0)}, far, 0.2)[0].T_ref_base_reference.translation_m.x(), 0)
+        << "nobody knows what was between";
+    EXPECT_TRUE(associate_positions({planar(5, 0, 0, 0)}, far, 0.2).empty());
+    EXPECT_EQ(associate_positions({planar(10.1, 0, 0, 0)}, far, 0.2)[0].T_ref_base_reference.translation_m.x(), 10);
 }
 
 TEST(AbsoluteError, recovers_any_rigid_motion_in_the_plane_and_in_space) {

@@ -184,7 +184,7 @@ TEST_F(OdometryModule, interpolates_exactly_on_an_arc) {
         expect_pose(entry.T_map_base.planar(), on_circle(0.13).inverse() * on_circle(stamp_s), 1e-9);
         EXPECT_EQ(entry.sequence, published.sequence);
     }
-    EXPECT_EQ(module.trajectory()->entries()[0].covariance.norm(), 0);
+    EXPECT_EQ(module.trajectory()->entries()[0].covariance.matrix().norm(), 0);
     EXPECT_GT(module.trajectory()->entries()[20].covariance(0, 0),
               module.trajectory()->entries()[10].covariance(0, 0));
     EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("odometry_scans_extrapolated")), 1);

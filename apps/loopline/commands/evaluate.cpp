@@ -15,6 +15,7 @@ struct Options {
     std::string estimate, reference, relations, odometry;
     bool kitti = false, json = false;
     Alignment alignment = Alignment::automatic;
+    std::vector<double> reference_point_m = {0, 0};
     double max_difference_s = 0.1, max_gap_s = 2, time_offset_s = 0;
     int rpe_poses = 0;
     double rpe_time_s = 0, rpe_distance_m = 0;
@@ -57,7 +58,8 @@ std::vector<PosePair> associate(const Options& options, const TrajectoryFile& es
                                    ": KITTI poses have no time, so both files need the same number of rows");
         return associate_by_index(estimate.poses, reference.poses);
     }
-    auto pairs = associate_by_stamp(estimate.poses, reference.poses, options.max_difference_s);
+    const auto match = reference.has_orientation ? associate_by_stamp : associate_positions;
+    auto pairs = match(estimate.poses, reference.poses, options.max_difference_s);
     if (pairs.empty())
         throw CommandError(exit_input_data,
                            "no pose of " + options.estimate + " (" + time_range(estimate.poses) +
@@ -71,13 +73,20 @@ std::vector<PosePair> associate(const Options& options, const TrajectoryFile& es
 void compare_with_reference(const Options& options, const TrajectoryFile& estimate,
                             EvaluationReport& report) {
     const TrajectoryFile reference = read_trajectory(options.reference, "the reference");
-    const auto pairs = associate(options, estimate, reference);
+    TrajectoryFile compared = estimate;
+    compared.poses = way_of_point(std::move(compared.poses), {options.reference_point_m[0], options.reference_point_m[1]});
+    const auto pairs = associate(options, compared, reference);
     report.poses_reference = reference.poses.size();
     report.poses_matched = pairs.size();
     report.way_m = reference_way_m(pairs).back();
     report.absolute = absolute_error(pairs, options.alignment);
-    report.relative = relative_error(pairs, rpe_step(options));
+    const bool has_orientations = estimate.has_orientation && reference.has_orientation;
+    if (has_orientations) report.relative = relative_error(pairs, rpe_step(options));
     if (!options.kitti) return;
+    if (!has_orientations)
+        throw CommandError(exit_input_data, "--kitti needs orientations, and " +
+                                                (reference.has_orientation ? options.estimate : options.reference) +
+                                                " has positions alone");
     report.kitti = kitti_error(pairs);
     if (report.kitti->segments.empty()) {
         char way[40];
@@ -117,8 +126,13 @@ class EvaluateCommand : public Command {
             ->required()
             ->type_name("FILE");
         app.add_option("--reference", options_.reference,
-                       "What it is compared with, in any of the same formats")
+                       "What it is compared with, in any of the same formats, or positions \"t x y\"")
             ->type_name("FILE");
+        app.add_option("--reference-point", options_.reference_point_m,
+                       "Where on the vehicle the reference was taken: X ahead and Y left of base, in m [0 0]")
+            ->expected(2)
+            ->type_name("X Y")
+            ->needs(app.get_option("--reference"));
         app.add_option("--relations", options_.relations,
                        "Relations \"t1 t2 x y z roll pitch yaw\" (Kuemmerle et al. 2009)")
             ->type_name("FILE");

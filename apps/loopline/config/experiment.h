@@ -44,6 +44,7 @@ struct EvaluationSettings {
     std::string truth;  ///< TUM file, or MRPT's "t x y phi"; empty: none
     bool truth_beside_log =
         true;              ///< if truth is empty: FILE.truth.tum, where the first rawlog is FILE.rawlog
+    double truth_point_x_m = 0, truth_point_y_m = 0;  ///< where on the vehicle the truth was taken
     std::string surveyed;  ///< true points and walls; empty: FILE.truth.csv beside a truth FILE.truth.tum
     std::string published_points;  ///< figures of another work for the same points; empty: none
     double scan_duration_s = 0;    ///< of the lasers that see the points

@@ -57,8 +57,11 @@ ParameterTable outputs_table(OutputSettings& settings) {
 ParameterTable evaluation_table(EvaluationSettings& settings) {
     ParameterTable table("evaluation", "What to compare the result with.");
     table
-        .path("truth", settings.truth, "True trajectory: a TUM file, or lines of \"t x y phi\"; empty: none.",
+        .path("truth", settings.truth, "True trajectory: a TUM file, or lines of \"t x y phi\" or \"t x y\"; empty: none.",
               FileNeed::must_exist)
+        .real("truth_point_x_m", settings.truth_point_x_m, {-100, 100},
+              "The point of the vehicle whose way the truth is, such as a tracked mark or an antenna: ahead of base.")
+        .real("truth_point_y_m", settings.truth_point_y_m, {-100, 100}, "The same, left of base.")
         .boolean("truth_beside_log", settings.truth_beside_log,
                  "If truth is empty: FILE.truth.tum beside the first rawlog FILE.rawlog, where it is there.")
         .path("surveyed", settings.surveyed,

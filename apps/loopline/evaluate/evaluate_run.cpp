@@ -30,17 +30,16 @@ FinitePoses latest_estimate(const Trajectory& trajectory) {
     return estimate;
 }
 
-Eigen::Matrix3d planar_covariance(const Matrix6d& covariance) {
-    const Eigen::Index rows[] = {0, 1, 5};
-    Eigen::Matrix3d planar;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) planar(i, j) = covariance(rows[i], rows[j]);
-    return planar;
+std::vector<PosePair> pairs_with_truth(const FinitePoses& estimate, const EvaluationReference& reference) {
+    if (reference.truth_has_orientation)
+        return associate_by_stamp(estimate.poses, reference.truth, max_difference_s);
+    return associate_positions(way_of_point(estimate.poses, reference.truth_point_m), reference.truth,
+                               max_difference_s);
 }
 
 void compare_with_truth(const FinitePoses& estimate, const EvaluationReference& reference,
                         RunEvaluation& evaluation) {
-    const auto pairs = associate_by_stamp(estimate.poses, reference.truth, max_difference_s);
+    const auto pairs = pairs_with_truth(estimate, reference);
     if (pairs.empty()) {
         evaluation.warnings.push_back("no pose of the run is within " +
                                       std::to_string(max_difference_s).substr(0, 3) +
@@ -55,6 +54,8 @@ void compare_with_truth(const FinitePoses& estimate, const EvaluationReference& 
     metrics["ate_median_m"] = ate.distance_m.median;
     metrics["ate_max_m"] = ate.distance_m.max;
 
+    if (!reference.truth_has_orientation) return;
+
     // A run's map frame is its first pose: the truth is brought there by that pose alone.
     const Pose3 T_map_ref = pairs[0].T_map_base_estimate * pairs[0].T_ref_base_reference.inverse();
     const PosePair& last = pairs.back();
@@ -66,7 +67,7 @@ void compare_with_truth(const FinitePoses& estimate, const EvaluationReference& 
     for (const auto& pair : pairs) {
         const auto nees =
             pose_nees(pair.T_map_base_estimate.planar(), (T_map_ref * pair.T_ref_base_reference).planar(),
-                      planar_covariance(estimate.entry[pair.estimate_index]->covariance));
+                      estimate.entry[pair.estimate_index]->covariance.planar());
         if (nees) nees_sum += *nees, ++nees_count;
     }
     if (nees_count > 0) metrics["nees_mean"] = nees_sum / static_cast<double>(nees_count);

@@ -1,6 +1,7 @@
 #include "evaluate/evaluation_reference.h"
 
 #include "api/parameters.h"
+#include "commands/command.h"
 #include "evaluate/read_trajectory.h"
 #include "evaluate/text_rows.h"
 
@@ -21,6 +22,24 @@ std::vector<PublishedPoint> read_published_points(const std::string& file) {
     return points;
 }
 
+void read_truth(const EvaluationSettings& settings, EvaluationReference& reference) {
+    TrajectoryFile file = read_trajectory(settings.truth, "[evaluation] truth");
+    reference.truth = std::move(file.poses);
+    reference.truth_has_orientation = file.has_orientation;
+    reference.truth_point_m = {settings.truth_point_x_m, settings.truth_point_y_m};
+    if (!file.has_orientation) {
+        if (!settings.surveyed.empty())
+            throw CommandError(exit_input_data, settings.truth +
+                                                    " has no headings, which surveyed points need; give [evaluation] "
+                                                    "truth as TUM or \"t x y phi\"");
+        return;
+    }
+    const Pose3 T_point_base(Pose2{-settings.truth_point_x_m, -settings.truth_point_y_m, 0});
+    if (!reference.truth_point_m.isZero())
+        for (StampedPose& pose : reference.truth) pose.T_map_base = pose.T_map_base * T_point_base;
+    reference.truth_point_m.setZero();
+}
+
 }  // namespace
 
 std::shared_ptr<const EvaluationReference> load_evaluation_reference(const EvaluationSettings& settings) {
@@ -29,8 +48,7 @@ std::shared_ptr<const EvaluationReference> load_evaluation_reference(const Evalu
     reference->truth_path = settings.truth;
     reference->relations_path = settings.relations;
     reference->scan_duration_s = settings.scan_duration_s;
-    if (!settings.truth.empty())
-        reference->truth = read_trajectory(settings.truth, "[evaluation] truth").poses;
+    if (!settings.truth.empty()) read_truth(settings, *reference);
     if (!settings.relations.empty()) reference->relations = read_relations(settings.relations);
     if (!settings.surveyed.empty())
         reference->surveyed = read_surveyed_truth(settings.surveyed, "[evaluation] surveyed");

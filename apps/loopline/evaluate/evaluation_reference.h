@@ -19,7 +19,9 @@ struct PublishedPoint {
 };
 
 struct EvaluationReference {
-    std::vector<StampedPose> truth;
+    std::vector<StampedPose> truth;  ///< of base, or positions alone, of truth_point_m
+    bool truth_has_orientation = true;
+    Eigen::Vector2d truth_point_m = Eigen::Vector2d::Zero();  ///< in base; zero where the truth is that of base
     std::string truth_path;
     std::vector<Relation> relations;
     std::string relations_path;

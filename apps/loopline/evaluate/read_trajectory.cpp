@@ -7,7 +7,8 @@ namespace loopline {
 namespace {
 
 StampedPose planar_pose(const TextRow& row) {
-    return {row.stamp(0), Pose3(Pose2{row.number(1), row.number(2), row.number(3)})};
+    const double phi_rad = row.size() > 3 ? row.number(3) : 0;
+    return {row.stamp(0), Pose3(Pose2{row.number(1), row.number(2), phi_rad})};
 }
 
 StampedPose kitti_pose(const TextRow& row, std::size_t index) {
@@ -25,22 +26,23 @@ TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::str
     TrajectoryFile trajectory;
     const std::size_t columns = columns_of_first_row(file, what);
     trajectory.has_stamps = columns != 12;
+    trajectory.has_orientation = columns != 3;
     if (columns == 8) trajectory.poses = read_tum(file);
     const auto take = [&](const TextRow& row) {
-        if (columns != 4 && columns != 12)
-            row.fail("a trajectory has 8 columns (TUM), 4 (t x y theta) or 12 (KITTI), this line has " +
+        if (columns != 3 && columns != 4 && columns != 12)
+            row.fail("a trajectory has 8 columns (TUM), 4 (t x y theta), 3 (t x y) or 12 (KITTI), this line has " +
                      std::to_string(columns));
         if (row.size() != columns)
             row.fail("this line has " + std::to_string(row.size()) + " columns, the first one has " +
                      std::to_string(columns));
-        if (columns == 4) trajectory.poses.push_back(planar_pose(row));
+        if (columns <= 4) trajectory.poses.push_back(planar_pose(row));
         if (columns == 12) trajectory.poses.push_back(kitti_pose(row, trajectory.poses.size()));
     };
     if (columns != 8) for_each_row(file, what, take);
     if (trajectory.poses.empty())
         throw CommandError(exit_input_data, file.string() + " has no pose in it; give " + what +
                                                 " as TUM (t x y z qx qy qz qw), "
-                                                "\"t x y theta\" or KITTI poses");
+                                                "\"t x y theta\", \"t x y\" or KITTI poses");
     return trajectory;
 }
 

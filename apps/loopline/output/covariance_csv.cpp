@@ -27,7 +27,7 @@ std::size_t write_covariance_csv(const std::filesystem::path& file, const Trajec
     out.text(covariance_header());
     std::size_t left_out = 0;
     for (const auto& entry : trajectory.entries()) {
-        if (!entry.covariance.allFinite()) {
+        if (!entry.covariance.is_finite()) {
             ++left_out;
             continue;
         }

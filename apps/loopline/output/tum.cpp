@@ -82,16 +82,16 @@ std::size_t write_tum(const std::filesystem::path& file, const Trajectory& traje
     OutputFile out(file);
     out.text("# t_s x_m y_m z_m qx qy qz qw (T_map_base)\n");
     std::size_t left_out = 0;
-    for (const auto& entry : trajectory.entries()) {
-        const Pose3& pose = estimate == Estimate::latest ? entry.T_map_base : entry.T_map_base_online;
+    for (std::size_t i = 0; i < trajectory.size(); ++i) {
+        const TrajectoryEntry& entry = trajectory.entries()[i];
+        const Pose3& pose = estimate == Estimate::latest ? entry.T_map_base : trajectory.T_map_base_online(i);
         if (!pose.translation_m.allFinite() || !pose.rotation.coeffs().allFinite()) {
             ++left_out;
             continue;
         }
         out.seconds(entry.stamp_ns);
-        for (int i = 0; i < 3; ++i) out.character(' ').number(pose.translation_m[i]);
-        for (int i = 0; i < 4; ++i)
-            out.character(' ').number(pose.rotation.coeffs()[i]);  // Eigen's order: x y z w
+        for (const double value : pose.translation_m) out.character(' ').number(value);
+        for (const double value : pose.rotation.coeffs()) out.character(' ').number(value);  // x y z w
         out.character('\n');
     }
     out.commit();

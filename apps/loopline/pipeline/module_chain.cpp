@@ -51,6 +51,18 @@ void ModuleChain::process(StreamItem item) {
     flow(0, sequence);
 }
 
+/// Moves what was published to `place` of the items; returns how much it was.
+std::size_t ModuleChain::insert_published(std::size_t place) {
+    const std::size_t count = published_.size();
+    if (place == items_.size())
+        for (StreamItem& item : published_) items_.push_back(std::move(item));
+    else
+        items_.insert(items_.begin() + static_cast<std::ptrdiff_t>(place),
+                      std::make_move_iterator(published_.begin()), std::make_move_iterator(published_.end()));
+    published_.clear();
+    return count;
+}
+
 void ModuleChain::flow(std::size_t first, std::uint64_t root_sequence) {
     auto before = clock_.now();  // the end of one call is the beginning of the next: clocks cost, too
     for (std::size_t i = first; i < modules_.size(); ++i) {
@@ -66,12 +78,7 @@ void ModuleChain::flow(std::size_t first, std::uint64_t root_sequence) {
             ticks.calls += interest == Interest::Kind::main ? 1 : 0;
             ticks.total += elapsed;
             ticks.worst = std::max(ticks.worst, elapsed);
-            if (published_.empty()) continue;
-            items_.insert(items_.begin() + static_cast<std::ptrdiff_t>(k) + 1,
-                          std::make_move_iterator(published_.begin()),
-                          std::make_move_iterator(published_.end()));
-            k += published_.size();  // not for this module
-            published_.clear();
+            k += insert_published(k + 1);  // which is not for this module
         }
     }
     latest_tick_ = before;

@@ -50,6 +50,7 @@ class ModuleChain {
     };
     /// Takes `items_` through the modules from `first` on.
     void flow(std::size_t first, std::uint64_t root_sequence);
+    std::size_t insert_published(std::size_t place);
 
     std::vector<Module::Ptr> modules_;
     std::vector<Interest> interests_;

@@ -20,7 +20,7 @@ using namespace mrpt::obs;
 constexpr double farthest_sensor_m = 1e3;    // from its vehicle's origin
 constexpr double farthest_position_m = 1e8;  // twice round the Earth
 constexpr float farthest_range_m = 1e5F;
-constexpr std::size_t most_beams = 200'000;
+constexpr std::size_t most_beams_of_scan = 200'000;
 
 bool finite_within(double value, double bound) {
     return std::isfinite(value) && std::abs(value) <= bound;
@@ -51,7 +51,7 @@ void invalidate_impossible_ranges(CObservation2DRangeScan& scan) {
 const char* refusal_of_scan(CObservation2DRangeScan& scan) {
     settle(scan.rightToLeft);
     if (scan.getScanSize() < 2) return "laser scans without beams";
-    if (scan.getScanSize() > most_beams) return "laser scans with more than 200000 beams";
+    if (scan.getScanSize() > most_beams_of_scan) return "laser scans with more than 200000 beams";
     if (!std::isfinite(scan.aperture) || scan.aperture <= 0 ||
         scan.aperture > static_cast<float>(2 * M_PI + 1e-3))
         return "laser scans whose aperture is not within 0 .. 360 deg";
