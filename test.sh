@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds and runs the tests; the last line is "N passed, N failed".
 #   ./test.sh             the release build
-#   ./test.sh --sanitize  the same tests with AddressSanitizer and UndefinedBehaviorSanitizer
+#   ./test.sh --sanitize  the same tests, once the program is built with AddressSanitizer and UndefinedBehaviorSanitizer
 source "$(dirname "${BASH_SOURCE[0]}")/cmake/prepare.sh"
 
 preset=release
@@ -12,7 +12,8 @@ case "${1:-}" in
 esac
 
 install_missing $packages_build $packages_test
-build "$preset" all
+build release all
+[ $preset = release ] || build "$preset" all
 
 # Each shard of a test program leaves what its tests gave, or nothing if it crashed.
 results="$PWD/build/$preset/test_results"

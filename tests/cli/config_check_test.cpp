@@ -16,7 +16,7 @@ class CheckTest : public testing::Test {
         const auto ini = folder_.write("e.ini", "[run]\nmodules = " + modules + "\nmaps = paper_map\n");
         return test::run_loopline(
             {"check", ini, "--rawlog", log},
-            {std::string("LOOPLINE_PLUGINS=") + LOOPLINE_FIXTURE_FOLDER + "/good", "COLUMNS=100"});
+            {std::string("LOOPLINE_PLUGINS=") + test::fixture_folder() + "/good", "COLUMNS=100"});
     }
     static void expect(const test::ProgramResult& result, int exit_code,
                        const std::vector<std::string>& said) {

@@ -14,7 +14,7 @@ class DataFolderTest : public testing::Test {
     DataFolderTest() {
         const auto bin = place_ / "tree/build/release/bin";
         std::filesystem::create_directories(bin);
-        std::filesystem::copy_file(LOOPLINE_PROGRAM, bin / "loopline");
+        std::filesystem::copy_file(test::loopline_program(), bin / "loopline");
         std::filesystem::create_directories(place_ / "elsewhere");
         ini_ =
             place_.write("tree/e.ini", "[run]\nmodules = shift\nrawlog = ${LOOPLINE_DATA}/logs/a.rawlog\n");
@@ -24,8 +24,8 @@ class DataFolderTest : public testing::Test {
     std::string complaint(const std::string& data_setting, const std::string& folder) {
         const auto result = test::run_program(
             {(place_ / "tree/build/release/bin/loopline").string(), "check", ini_},
-            {data_setting, std::string("LOOPLINE_PLUGINS=") + LOOPLINE_FIXTURE_FOLDER + "/good",
-             std::string("LD_LIBRARY_PATH=") + LOOPLINE_PLUGIN_FOLDER},
+            {data_setting, std::string("LOOPLINE_PLUGINS=") + test::fixture_folder() + "/good",
+             std::string("LD_LIBRARY_PATH=") + test::plugin_folder()},
             place_ / folder);
         return result.err;
     }

@@ -7,7 +7,7 @@ using namespace loopline;
 
 namespace {
 
-const std::vector<std::string> fixtures{std::string("LOOPLINE_PLUGINS=") + LOOPLINE_FIXTURE_FOLDER + "/good",
+const std::vector<std::string> fixtures{std::string("LOOPLINE_PLUGINS=") + test::fixture_folder() + "/good",
                                         "COLUMNS=80"};
 
 std::string described(std::vector<std::string> words) {

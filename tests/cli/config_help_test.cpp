@@ -101,7 +101,7 @@ TEST(CommandLine, an_option_that_may_repeat_takes_one_value_each_time) {
 }
 
 TEST(CommandLine, a_pipe_that_closes_early_is_no_error_and_a_full_disk_is_one) {
-    const std::string program = LOOPLINE_PROGRAM;
+    const std::string program = test::loopline_program();
     const auto piped =
         test::run_program({"bash", "-c", "set -o pipefail; " + program + " describe --markdown | head -1"});
     EXPECT_EQ(piped.exit_code, 0);

@@ -18,7 +18,7 @@ test::ProgramResult run_with_plugins(const std::string& folder) {
 }
 
 void expect_refused(const std::string& fixture, const std::vector<std::string>& words) {
-    const auto result = run_with_plugins(std::string(LOOPLINE_FIXTURE_FOLDER) + "/" + fixture);
+    const auto result = run_with_plugins(test::fixture_folder() + "/" + fixture);
     EXPECT_EQ(result.exit_code, 2) << fixture;
     EXPECT_EQ(result.out, "") << fixture;
     for (const auto& word : words)

@@ -131,7 +131,7 @@ class WrongIniTest : public testing::TestWithParam<WrongIni> {};
 test::ProgramResult run_ini(const test::TemporaryFolder& folder, std::vector<std::string> words,
                             const std::vector<std::string>& more) {
     words.insert(words.end(), more.begin(), more.end());
-    return test::run_loopline(words, {std::string("LOOPLINE_PLUGINS=") + LOOPLINE_FIXTURE_FOLDER + "/good"},
+    return test::run_loopline(words, {std::string("LOOPLINE_PLUGINS=") + test::fixture_folder() + "/good"},
                               folder.path());
 }
 

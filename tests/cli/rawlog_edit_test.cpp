@@ -16,7 +16,7 @@ TEST(RawlogEdit, lists_recorded_lines_with_our_plugin) {
     ASSERT_EQ(small.run(telecom_log, {"--set", "outputs.record=CObservationLines"}).exit_code, 0);
     const std::string recorded = small.out() + "/recorded.rawlog";
     const auto with = test::run_program(
-        {"rawlog-edit", "-p", LOOPLINE_PLUGIN_FOLDER "/libloopline_lines.so", "--info", "-i", recorded},
+        {"rawlog-edit", "-p", test::plugin_folder() + "/libloopline_lines.so", "--info", "-i", recorded},
         test::environment_of_our_plugins());
     EXPECT_EQ(with.exit_code, 0) << with.err;
     EXPECT_TRUE(std::regex_search(with.out, std::regex("Overall number of objects *: 225\n"))) << with.out;

@@ -34,7 +34,7 @@ class LongRun {
         if (child == 0) {
             const int said = ::open((small_.folder() / "said").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
             ::dup2(said, STDERR_FILENO);
-            ::execl(LOOPLINE_PROGRAM, "loopline", "run", small_.ini().c_str(), "--rawlog", log_.c_str(),
+            ::execl(test::loopline_program().c_str(), "loopline", "run", small_.ini().c_str(), "--rawlog", log_.c_str(),
                     "--out", small_.out().c_str(), "--quiet", "--set", "outputs.record=CObservationLines",
                     nullptr);
             ::_exit(127);

@@ -61,7 +61,7 @@ class RunProgress : public ::testing::Test {
     /// Long enough to show progress on any machine: the real log, many times over.
     static constexpr int copies = 80;
     std::vector<std::string> arguments() const {
-        std::vector<std::string> words{LOOPLINE_PROGRAM, "run", small_.ini(), "--out", small_.out()};
+        std::vector<std::string> words{test::loopline_program(), "run", small_.ini(), "--out", small_.out()};
         for (int i = 0; i < copies; ++i) words.insert(words.end(), {"--rawlog", telecom_log});
         return words;
     }

@@ -261,7 +261,7 @@ TEST_F(Simulate, what_is_wrong_is_told_with_its_place_and_nothing_is_written) {
 
 TEST_F(Simulate, interrupted_it_leaves_nothing) {
     const auto result =
-        run_program({"timeout", "--preserve-status", "-s", "INT", "1", LOOPLINE_PROGRAM, "simulate",
+        run_program({"timeout", "--preserve-status", "-s", "INT", "1", test::loopline_program(), "simulate",
                      std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/ring_corridor.ini", "--out",
                      (folder / "w.rawlog").string(), "--set", "horizontal_laser.beams=5000"});
     EXPECT_EQ(result.exit_code, 130) << result.err;

@@ -41,7 +41,7 @@ std::map<StampNs, mrpt::obs::CObservation2DRangeScan::ConstPtr> scans_of(const s
 }  // namespace
 
 TEST(SimulatedSensors, are_hosted_by_rawlog_grabber) {
-    const std::string plugin = LOOPLINE_PLUGIN_FOLDER "/grabber/libloopline_simulated_sensors.so";
+    const std::string plugin = test::plugin_folder() + "/grabber/libloopline_simulated_sensors.so";
     if (!std::filesystem::exists(plugin)) GTEST_SKIP() << "built without mrpt-hwdrivers";
     if (!std::filesystem::exists("/usr/bin/rawlog-grabber"))
         GTEST_SKIP() << "rawlog-grabber is not installed";

@@ -69,7 +69,7 @@ std::filesystem::path run(const test::TemporaryFolder& folder, const std::string
                           const std::vector<std::string>& environment = {}) {
     const std::filesystem::path out = folder / name;
     std::vector<std::string> words{
-        LOOPLINE_PROGRAM, "run",        std::string(LOOPLINE_SOURCE_FOLDER) + "/ini/real/" + ini,
+        test::loopline_program(), "run",        std::string(LOOPLINE_SOURCE_FOLDER) + "/ini/real/" + ini,
         "--out",          out.string(), "--quiet"};
     for (const char* off : {"outputs.maps=false", "outputs.snapshots=false", "outputs.report=false"})
         words.insert(words.end(), {"--set", off});

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "support/built_files.h"
+
 extern char** environ;
 
 namespace loopline::test {
@@ -96,14 +98,12 @@ inline ProgramResult run_program(const std::vector<std::string>& words,
     return {code, file_text(out), file_text(err)};
 }
 
-#ifdef LOOPLINE_PROGRAM
 /// The program under test.
 inline ProgramResult run_loopline(std::vector<std::string> arguments,
                                   const std::vector<std::string>& environment = {},
                                   const std::filesystem::path& folder = {}) {
-    arguments.insert(arguments.begin(), LOOPLINE_PROGRAM);
+    arguments.insert(arguments.begin(), loopline_program());
     return run_program(arguments, environment, folder);
 }
-#endif
 
 }  // namespace loopline::test

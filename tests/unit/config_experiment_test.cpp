@@ -16,7 +16,7 @@ namespace {
 class ExperimentTest : public testing::Test {
  protected:
     ExperimentTest() {
-        load_plugin(LOOPLINE_FIXTURE_FOLDER "/good/libchain.so");
+        load_plugin(test::fixture_folder() + "/good/libchain.so");
         log_ = folder_.write("logs/a b.rawlog", "");
     }
     std::string ini(const std::string& text) { return folder_.write("e.ini", text); }

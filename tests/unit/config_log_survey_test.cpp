@@ -4,8 +4,10 @@
 #include <mrpt/obs/CObservationOdometry.h>
 
 #include "commands/log_survey.h"
+#include "support/second.h"
 
 using namespace loopline;
+using loopline::test::second_ns;
 
 namespace {
 
@@ -14,8 +16,6 @@ StreamItem odometry_at(StampNs stamp_ns, const std::string& label = "odometry") 
     observation->sensorLabel = label;
     return {0, stamp_ns, observation};
 }
-
-constexpr StampNs second_ns = 1'000'000'000;
 
 }  // namespace
 

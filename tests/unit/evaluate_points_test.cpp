@@ -12,12 +12,12 @@
 #include "evaluate/feature_points.h"
 #include "evaluate/surveyed_truth.h"
 #include "support/run_program.h"
+#include "support/second.h"
 
 using namespace loopline;
+using loopline::test::second_ns;
 
 namespace {
-
-constexpr StampNs second_ns = 1'000'000'000;
 
 /// Straight ahead at 1 m/s for some seconds, a pose every 0.1 s.
 std::vector<StampedPose> straight_path(double from_m, double to_m, double y_m, StampNs start_ns) {

@@ -17,9 +17,9 @@ namespace {
 
 constexpr double pi = M_PI;
 
-COccupancyGridMap2D::Ptr draw(const std::vector<StreamItem>& items, const Trajectory& trajectory,
-                              Results& results,
-                              const std::vector<std::pair<std::string, std::string>>& settings = {}) {
+COccupancyGridMap2D::Ptr draw_grid(const std::vector<StreamItem>& items, const Trajectory& trajectory,
+                                   Results& results,
+                                   const std::vector<std::pair<std::string, std::string>>& settings = {}) {
     GridMapBuilder builder;
     for (const auto& [key, value] : settings) set(builder, key, value);
     builder.start({}, trajectory);
@@ -82,7 +82,7 @@ TEST(MapsGrid, every_beam_ends_in_its_own_cell_however_the_scanner_is_mounted) {
                 ranges.back() = 24;
                 const auto scan = scan_of(ranges, aperture, mount, counter_clockwise);
                 Results results;
-                const auto grid = draw({item_of(1, scan)}, at(T_map_base), results);
+                const auto grid = draw_grid({item_of(1, scan)}, at(T_map_base), results);
                 expect_occupied_where_hit(*grid, points_in_map(*scan, T_map_base_mrpt), aperture > 6 ? 1 : 0);
             }
 }
@@ -90,7 +90,7 @@ TEST(MapsGrid, every_beam_ends_in_its_own_cell_however_the_scanner_is_mounted) {
 TEST(MapsGrid, cells_on_the_way_are_free_and_cells_behind_are_unknown) {
     const auto scan = scan_of({0, 5, 0}, pi);
     Results results;
-    const auto grid = draw({item_of(1, scan), item_of(2, scan), item_of(3, scan)}, at({}), results);
+    const auto grid = draw_grid({item_of(1, scan), item_of(2, scan), item_of(3, scan)}, at({}), results);
     for (double x = 0.1; x < 4.9; x += 0.1) EXPECT_GT(grid->getPos(static_cast<float>(x), 0.0f), 0.6f) << x;
     EXPECT_LT(grid->getPos(5.02f, 0.0f), 0.2f);
     for (const float x : {5.2f, 6.0f, -0.5f}) EXPECT_FLOAT_EQ(grid->getPos(x, 0.0f), 0.5f) << x;
@@ -124,7 +124,7 @@ TEST(MapsGrid, a_room_seen_from_many_places_has_its_walls_and_only_them) {
     }
     for (const char* widen : {"false", "true"}) {
         Results results;
-        const auto grid = draw(items, trajectory, results, {{"widen_beams", widen}});
+        const auto grid = draw_grid(items, trajectory, results, {{"widen_beams", widen}});
         for (const auto& cell : cells_where(*grid, is_occupied)) {
             const double off = std::min(
                 {std::abs(cell.x()), std::abs(8 - cell.x()), std::abs(cell.y()), std::abs(6 - cell.y())});
@@ -148,8 +148,8 @@ TEST(MapsGrid, scans_beyond_the_tilt_tolerance_are_left_out) {
     const auto level = scan_of({5, 5, 5}, pi, CPose3D(0, 0, 0, 0, 0, mrpt::DEG2RAD(4.0)));
     const auto tilted = scan_of({5, 5, 5}, pi, CPose3D(0, 0, 0, 0, mrpt::DEG2RAD(6.0), 0));
     Results one, none;
-    EXPECT_FALSE(cells_where(*draw({item_of(1, level)}, at({}), one), is_occupied).empty());
-    EXPECT_TRUE(cells_where(*draw({item_of(1, tilted)}, at({}), none), is_occupied).empty());
+    EXPECT_FALSE(cells_where(*draw_grid({item_of(1, level)}, at({}), one), is_occupied).empty());
+    EXPECT_TRUE(cells_where(*draw_grid({item_of(1, tilted)}, at({}), none), is_occupied).empty());
     EXPECT_EQ(one.metrics.count("grid_scans_left_out"), 0u);
     EXPECT_EQ(std::get<std::int64_t>(none.metrics.at("grid_scans_left_out")), 1);
 }
@@ -166,7 +166,7 @@ TEST(MapsGrid, an_absurd_pose_is_left_out_and_the_rest_is_drawn) {
     std::vector<StreamItem> items;
     for (std::uint64_t i = 1; i <= 5; ++i) items.push_back(item_of(i, scan));
     Results results;
-    const auto grid = draw(items, trajectory, results);
+    const auto grid = draw_grid(items, trajectory, results);
     EXPECT_EQ(cells_where(*grid, is_occupied).size(), 2u);
     EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("grid_scans_left_out")), 2);
     EXPECT_LT(grid->getSizeX() * grid->getSizeY(), 1000u);
@@ -180,7 +180,8 @@ TEST(MapsGrid, the_cell_limit_holds_and_is_used_up_to_the_last_scan_that_fits) {
         items.push_back(item_of(i, scan_of({0, 1, 0}, pi)));
     }
     Results results;
-    const auto grid = draw(items, trajectory, results, {{"resolution_m", "0.1"}, {"max_cells", "100000"}});
+    const auto grid =
+        draw_grid(items, trajectory, results, {{"resolution_m", "0.1"}, {"max_cells", "100000"}});
     // The grid is about 54 cells high around the beam, or 254 with room to spare: between 39 and 185 m fit.
     const auto drawn = 40 - std::get<std::int64_t>(results.metrics.at("grid_scans_left_out"));
     EXPECT_EQ(static_cast<std::int64_t>(cells_where(*grid, is_occupied).size()), drawn);
@@ -196,9 +197,9 @@ TEST(MapsGrid, what_is_no_scan_or_has_no_pose_or_no_number_is_skipped) {
     odd->setScanRange(2, -4);
     Results results;
     const auto grid =
-        draw({item_of(1, mrpt::obs::CObservationOdometry::Create()), item_of(7, scan_of({5, 5, 5}, pi)),
-              item_of(1, odd), item_of(1, mrpt::obs::CObservation2DRangeScan::Create())},
-             at({}), results);
+        draw_grid({item_of(1, mrpt::obs::CObservationOdometry::Create()), item_of(7, scan_of({5, 5, 5}, pi)),
+                   item_of(1, odd), item_of(1, mrpt::obs::CObservation2DRangeScan::Create())},
+                  at({}), results);
     EXPECT_TRUE(cells_where(*grid, [](float free) { return free != 0.5f; }).empty());
 }
 
@@ -206,7 +207,7 @@ TEST(MapsGrid, final_poses_are_used_not_those_known_at_the_time) {
     Trajectory trajectory = at({});
     trajectory.revise(0, Pose3(Pose2{0, 3, 0}), Matrix6d::Zero());
     Results results;
-    const auto grid = draw({item_of(1, scan_of({0, 5, 0}, pi))}, trajectory, results);
+    const auto grid = draw_grid({item_of(1, scan_of({0, 5, 0}, pi))}, trajectory, results);
     ASSERT_EQ(cells_where(*grid, is_occupied).size(), 1u);
     EXPECT_NEAR(cells_where(*grid, is_occupied)[0].y(), 3, 0.05);
 }

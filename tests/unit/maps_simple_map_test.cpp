@@ -13,8 +13,9 @@ using mrpt::maps::CSimpleMap;
 
 namespace {
 
-CSimpleMap::Ptr draw(const std::vector<StreamItem>& items, const Trajectory& trajectory, Results& results,
-                     const std::vector<std::pair<std::string, std::string>>& settings = {}) {
+CSimpleMap::Ptr draw_keyframes(const std::vector<StreamItem>& items, const Trajectory& trajectory,
+                               Results& results,
+                               const std::vector<std::pair<std::string, std::string>>& settings = {}) {
     SimpleMapBuilder builder;
     for (const auto& [key, value] : settings) set(builder, key, value);
     builder.start({}, trajectory);
@@ -43,10 +44,10 @@ TEST(MapsSimpleMap, keyframes_by_distance_and_by_angle_for_every_sensor) {
     second_sensor->sensorLabel = "REAR";
     items.back().observation = second_sensor;
     Results results, all;
-    const auto map = draw(items, trajectory, results, {{"distance_m", "1"}, {"angle_deg", "30"}});
+    const auto map = draw_keyframes(items, trajectory, results, {{"distance_m", "1"}, {"angle_deg", "30"}});
     EXPECT_EQ(keyframe_x(*map), (std::vector<double>{0, 1.0, 2.1, 2.2, 2.3}));
     EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("keyframes")), 5);
-    EXPECT_EQ(draw(items, trajectory, all, {{"distance_m", "0"}})->size(), 7u);
+    EXPECT_EQ(draw_keyframes(items, trajectory, all, {{"distance_m", "0"}})->size(), 7u);
 }
 
 TEST(MapsSimpleMap, covariance_is_in_mrpts_order_and_the_scan_is_whole) {
@@ -59,7 +60,7 @@ TEST(MapsSimpleMap, covariance_is_in_mrpts_order_and_the_scan_is_whole) {
     trajectory.append(4, 0, pose3_from_mrpt(T_map_base), covariance);
     const auto scan = scan_of({1, 2, 3}, M_PI, {0.1, 0, 0.5, 0, 0, 0});
     Results results;
-    const auto map = draw({item_of(4, scan), item_of(5, scan)}, trajectory, results);
+    const auto map = draw_keyframes({item_of(4, scan), item_of(5, scan)}, trajectory, results);
     ASSERT_EQ(map->size(), 1u);
     const auto pair = map->getAsPair(0);
     const auto pdf = std::dynamic_pointer_cast<mrpt::poses::CPose3DPDFGaussian>(pair.pose);
@@ -84,6 +85,6 @@ TEST(MapsSimpleMap, the_limit_holds_and_what_it_cost_is_told) {
         items.push_back(item_of(i, scan_of({1, 2, 3}, M_PI)));
     }
     Results results;
-    EXPECT_EQ(draw(items, trajectory, results, {{"max_keyframes", "4"}})->size(), 4u);
+    EXPECT_EQ(draw_keyframes(items, trajectory, results, {{"max_keyframes", "4"}})->size(), 4u);
     EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("keyframes_left_out")), 5);
 }

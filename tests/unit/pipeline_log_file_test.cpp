@@ -43,14 +43,14 @@ std::string any_bytes(std::size_t size, std::mt19937_64& random) {
     return bytes;
 }
 
-struct Reading {
+struct Unpacked {
     std::string bytes;
     LogFile::Failure failure = LogFile::Failure::none;
 };
 
-Reading by_log_file(const std::string& path, std::size_t ahead = 0) {
+Unpacked by_log_file(const std::string& path, std::size_t ahead = 0) {
     LogFile file(path);
-    Reading reading;
+    Unpacked reading;
     while (!file.at_end()) {
         const std::size_t size = file.look_ahead(ahead);
         reading.bytes.append(reinterpret_cast<const char*>(file.ready()), size);
@@ -60,12 +60,12 @@ Reading by_log_file(const std::string& path, std::size_t ahead = 0) {
     return reading;
 }
 
-Reading by_zlib(const std::string& path) {
+Unpacked by_zlib(const std::string& path) {
     const int descriptor = ::open(path.c_str(), O_RDONLY);
     FilePieces file(descriptor);
     file.fill();
     const auto unpacker = make_zlib_unpacker(file);
-    Reading reading;
+    Unpacked reading;
     std::vector<unsigned char> buffer(10'000);
     for (auto status = GzipUnpacker::Status::more; status == GzipUnpacker::Status::more;) {
         std::size_t size = 0;

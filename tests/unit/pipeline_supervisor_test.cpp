@@ -10,6 +10,7 @@
 #include "pipeline/module_chain.h"
 #include "pipeline/supervisor.h"
 #include "pipeline_logs.h"
+#include "support/built_files.h"
 
 using namespace loopline;
 using namespace loopline::testing;
@@ -185,9 +186,7 @@ TEST_F(Supervisor, the_first_interruption_asks_to_stop_and_the_second_ends_at_on
 }
 
 TEST_F(Supervisor, memory_is_limited_while_a_log_is_read_and_not_after) {
-#if defined(__SANITIZE_ADDRESS__)
-    GTEST_SKIP() << "the limit can't be used with AddressSanitizer";
-#endif
+    if (test::built_with_address_sanitizer()) GTEST_SKIP() << "the limit can't be used with AddressSanitizer";
     rlimit before{}, inside{}, after{};
     getrlimit(RLIMIT_AS, &before);
     ReadGuard guard(nullptr, 0, 1000);

@@ -39,16 +39,16 @@ class Score {
     int count_ = 0;
 };
 
-constexpr int seeds = 20;
+constexpr int drives = 20;
 // 99.9 % of the mean of 20 squares of standard normal numbers. Of estimated scatters, Student's have longer
 // tails, hence somewhat more.
-constexpr double lower = 0.27, upper = 2.5;
+constexpr double least_chi2 = 0.27, greatest_chi2 = 2.5;
 
 TEST(LineSlamCalibration, errors_are_as_large_as_their_standard_errors_say) {
     const SlippingDrive drive;
     std::array<std::array<Score, wheel_count>, regime_count> slip, random_way, scatter;
     Score side;
-    for (int seed = 1; seed <= seeds; ++seed) {
+    for (int seed = 1; seed <= drives; ++seed) {
         const SlippingVehicle vehicle(drive, static_cast<std::uint64_t>(seed));
         const DriveCalibration found = calibrated(vehicle, drive);
         ASSERT_TRUE(found.good) << seed;
@@ -70,13 +70,13 @@ TEST(LineSlamCalibration, errors_are_as_large_as_their_standard_errors_say) {
         for (std::size_t w = 0; w < wheel_count; ++w) {
             std::printf("regime %zu wheel %zu: slip %.2f, random way %.2f, scatter %.2f\n", r, w,
                         slip[r][w].mean(), random_way[r][w].mean(), scatter[r][w].mean());
-            EXPECT_GT(slip[r][w].mean(), lower);
-            EXPECT_LT(slip[r][w].mean(), upper);
-            EXPECT_LT(random_way[r][w].mean(), upper);
-            EXPECT_LT(scatter[r][w].mean(), upper);
+            EXPECT_GT(slip[r][w].mean(), least_chi2);
+            EXPECT_LT(slip[r][w].mean(), greatest_chi2);
+            EXPECT_LT(random_way[r][w].mean(), greatest_chi2);
+            EXPECT_LT(scatter[r][w].mean(), greatest_chi2);
         }
     std::printf("side %.2f\n", side.mean());
-    EXPECT_LT(side.mean(), upper);
+    EXPECT_LT(side.mean(), greatest_chi2);
 }
 
 TEST(LineSlamCalibration, turns_of_many_curvatures_tell_the_track_width) {

@@ -12,8 +12,6 @@
 namespace loopline {
 namespace {
 
-constexpr int S = Canvas::supersampling;
-
 struct Side {
     const char* title;
     const char* nothing;
@@ -58,7 +56,7 @@ Bounds bounds_of_sides(const std::vector<Side>& sides, const Eigen::Matrix3d& ax
 
 /// From the map to the drawn pixels of a window's box.
 ParallelView view_into(const MapWindow& window, const Direction& direction) {
-    const double scale = window.px_per_m * S;
+    const double scale = window.px_per_m * Canvas::supersampling;
     Eigen::Matrix3d linear = direction.axes;
     linear.row(0) *= scale;
     linear.row(1) *= -scale;

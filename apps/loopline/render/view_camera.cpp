@@ -6,8 +6,8 @@
 
 namespace loopline {
 namespace {
-double radians(double degrees) {
-    return degrees * M_PI / 180;
+double radians(double angle_deg) {
+    return angle_deg * M_PI / 180;
 }
 }  // namespace
 
