@@ -12,8 +12,8 @@ case "${1:-}" in
 esac
 
 install_missing $packages_build $packages_test
-build release all
-[ $preset = release ] || build "$preset" all
+build release loopline_tests
+[ $preset = release ] || build "$preset" loopline_tests
 
 # Each shard of a test program leaves what its tests gave, or nothing if it crashed.
 results="$PWD/build/$preset/test_results"
