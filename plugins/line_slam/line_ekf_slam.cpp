@@ -7,6 +7,11 @@
 #include "line_slam/chi_square.h"
 
 namespace loopline::line_slam {
+namespace {
+
+constexpr double rounding_m = 1e-6;  // of lengths of the path
+
+}  // namespace
 
 LineEkfSlam::LineEkfSlam(const LineSlamParameters& parameters)
     : parameters_(parameters),
@@ -25,7 +30,7 @@ SlamStatus LineEkfSlam::step(const std::vector<MotionPiece>& motion,
     const double way_m = predict(motion);
     discount_repetition(way_m, observations);
     activate_surroundings(observations);
-    const Association association = associate_or_doubt_wheels(observations);
+    const Association association = associate_or_doubt_wheels(observations, way_m);
     if (!association.pairings.empty()) {
         if (!filter_.update(association.pairings, observations)) return SlamStatus::diverged;
         ++counts_.updates;
@@ -80,25 +85,51 @@ void LineEkfSlam::discount_repetition(double way_m, std::vector<LineObservation>
     for (LineObservation& z : observations) z.surplus = (repetitions - 1) * z.wall_covariance;
 }
 
-/// If nothing is where the wheels say, but several walls are where one slip of the wheels puts them, the
-/// wheels slipped.
-Association LineEkfSlam::associate_or_doubt_wheels(const std::vector<LineObservation>& observations) {
+/// If walls are not where the wheels say, but several are where one slip of the wheels, or one bump of the
+/// ground, puts them, that is what happened.
+Association LineEkfSlam::associate_or_doubt_wheels(const std::vector<LineObservation>& observations,
+                                                   double way_m) {
     Association association = associate(filter_, records_, observations, parameters_.association);
     const std::size_t before = last_pairings_;
     last_pairings_ = association.pairings.size();
-    if (!association.pairings.empty() || before < 2 || observations.size() < 2) return association;
-    const double doubt = parameters_.slip_factor * parameters_.slip_factor - 1;
-    filter_.doubt_motion(doubt);
+    const bool walls_are_missed =
+        association.pairings.size() < before && association.pairings.size() + 2 <= observations.size();
+    if (!walls_are_missed) return association;
+
+    const double slip2 = parameters_.slip_factor * parameters_.slip_factor;
+    filter_.doubt_motion(slip2 - 1);
     Association with_slip = associate(filter_, records_, observations, parameters_.association);
+    if (tells_of_slip(with_slip, association, path_m_ - way_m - rounding_m)) {
+        last_pairings_ = with_slip.pairings.size();
+        history_.steps.back().travel_covariance *= slip2;
+        ++counts_.slips;
+        return with_slip;
+    }
+    filter_.doubt_motion(1 - slip2);
+    return association;
+}
+
+/// Two walls or more that the last step saw come back together, and more than fit without the slip: as they
+/// agree on its turn and on its shift across them, that is no chance. (Where it is the minority that is off,
+/// the walls are not as straight as they should be.) Or any two that cross, where there was nothing at all
+/// without it.
+bool LineEkfSlam::tells_of_slip(const Association& with_slip, const Association& without,
+                                double path_at_last_step_m) const {
+    std::vector<bool> paired(with_slip.is_compatible.size(), false);
+    for (const Pairing& p : without.pairings) paired[static_cast<std::size_t>(p.observation)] = true;
+    std::size_t back = 0;
+    for (const Pairing& p : with_slip.pairings)
+        back += !paired[static_cast<std::size_t>(p.observation)] &&
+                records_[static_cast<std::size_t>(p.line)].last_seen_m >= path_at_last_step_m;
+    if (back >= 2 && back > without.pairings.size() &&
+        with_slip.pairings.size() >= without.pairings.size() + 2)
+        return true;
+    if (!without.pairings.empty()) return false;
     for (const Pairing& a : with_slip.pairings)
         for (const Pairing& b : with_slip.pairings)
-            if (std::abs(std::sin(filter_.line(a.line).alpha_rad - filter_.line(b.line).alpha_rad)) > 0.5) {
-                last_pairings_ = with_slip.pairings.size();
-                ++counts_.slips;
-                return with_slip;
-            }
-    filter_.doubt_motion(-doubt);
-    return association;
+            if (std::abs(std::sin(filter_.line(a.line).alpha_rad - filter_.line(b.line).alpha_rad)) > 0.5)
+                return true;
+    return false;
 }
 
 /// Could one of the observations be of this line, with `reach_m` of leeway?

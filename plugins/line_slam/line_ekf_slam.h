@@ -63,7 +63,9 @@ class LineEkfSlam {
     /// Returns the length of the way.
     double predict(const std::vector<MotionPiece>& motion);
     void discount_repetition(double way_m, std::vector<LineObservation>& observations) const;
-    Association associate_or_doubt_wheels(const std::vector<LineObservation>& observations);
+    Association associate_or_doubt_wheels(const std::vector<LineObservation>& observations, double way_m);
+    bool tells_of_slip(const Association& with_slip, const Association& without,
+                       double path_at_last_step_m) const;
     bool may_be_seen(int id, const std::vector<LineObservation>& observations, double reach_m) const;
     void activate_surroundings(const std::vector<LineObservation>& observations);
     void remember_seen(const std::vector<Pairing>& pairings,

@@ -59,7 +59,7 @@ std::vector<std::string> progress_rows(const std::string& screen) {
 class RunProgress : public ::testing::Test {
  protected:
     /// Long enough to show progress on any machine: the real log, many times over.
-    static constexpr int copies = 80;
+    static constexpr int copies = 300;
     std::vector<std::string> arguments() const {
         std::vector<std::string> words{test::loopline_program(), "run", small_.ini(), "--out", small_.out()};
         for (int i = 0; i < copies; ++i) words.insert(words.end(), {"--rawlog", telecom_log});
