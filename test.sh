@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds and runs the tests; the last line is "N passed, N failed".
 #   ./test.sh             the release build
-#   ./test.sh --sanitize  the same tests, once the program is built with AddressSanitizer and UndefinedBehaviorSanitizer
+#   ./test.sh --sanitize  the same tests but for the statistical ones, with a program that has AddressSanitizer and
+#                         UndefinedBehaviorSanitizer
 source "$(dirname "${BASH_SOURCE[0]}")/cmake/prepare.sh"
 
 preset=release

@@ -132,7 +132,7 @@ TEST_F(EvaluateCommand, the_table_says_the_same_in_words) {
 TEST_F(EvaluateCommand, what_is_wrong_ends_with_its_exit_code_and_one_sentence) {
     const std::string good = folder.write("good.tum", tum(20)),
                       later = folder.write("later.tum", tum(20, 1, 0, 5000));
-    const std::string bad = folder.write("bad.tum", "1 2\n"), empty = folder.write("empty.tum", "");
+    const std::string bad = folder.write("bad.tum", "1 2 3\n"), empty = folder.write("empty.tum", "");
     const std::string relations = folder.write("r.relations", "1 2 1 0 0 0 0 0\n"),
                       rows = folder.write("00.txt", kitti(7));
     const std::string short_relation = folder.write("s.relations", "# t1 t2\n1 2 1\n");

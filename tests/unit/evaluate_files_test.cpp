@@ -51,7 +51,8 @@ TEST_F(EvaluateFiles, the_format_is_told_by_the_columns) {
     EXPECT_NEAR(flat.poses[0].T_map_base.planar().phi_rad, -0.5, 1e-15);
     EXPECT_NEAR(flat.poses[1].T_map_base.planar().phi_rad, 0.5, 1e-15);
 
-    const auto tracked = read_trajectory(file("mark.txt", "0.378 1.850 1.897\n0.494 1.853 1.9\n"), "it");
+    const auto tracked =
+        read_trajectory(file("mark.txt", "0.378 1.850 1.897\n0.494 1.853 1.9\n"), "it", Needed::positions);
     ASSERT_EQ(tracked.poses.size(), 2u);
     EXPECT_FALSE(tracked.has_orientation);
     EXPECT_TRUE(flat.has_orientation);
@@ -75,7 +76,7 @@ TEST_F(EvaluateFiles, what_is_wrong_is_said_with_file_and_line) {
     const struct {
         const char *text, *expected;
     } cases[] = {
-        {"1 2\n", "w.txt:1: a trajectory has 8 columns"},
+        {"1 2 3\n", "w.txt:1: a trajectory has 8 columns"},
         {"1 2 3 4\n\n1 2 3\n", "w.txt:3: this line has 3 columns, the first one has 4"},
         {"1 2 3 4\n1 2 x 4\n", "w.txt:2: column 3 is no finite number: \"x\""},
         {"1 2 nan 4\n", "w.txt:1: column 3 is no finite number: \"nan\""},

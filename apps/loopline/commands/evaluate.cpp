@@ -72,21 +72,20 @@ std::vector<PosePair> associate(const Options& options, const TrajectoryFile& es
 
 void compare_with_reference(const Options& options, const TrajectoryFile& estimate,
                             EvaluationReport& report) {
-    const TrajectoryFile reference = read_trajectory(options.reference, "the reference");
+    const TrajectoryFile reference = read_trajectory(options.reference, "the reference", Needed::positions);
     TrajectoryFile compared = estimate;
-    compared.poses = way_of_point(std::move(compared.poses), {options.reference_point_m[0], options.reference_point_m[1]});
+    compared.poses = way_of_point(std::move(compared.poses),
+                                  {options.reference_point_m[0], options.reference_point_m[1]});
     const auto pairs = associate(options, compared, reference);
     report.poses_reference = reference.poses.size();
     report.poses_matched = pairs.size();
     report.way_m = reference_way_m(pairs).back();
     report.absolute = absolute_error(pairs, options.alignment);
-    const bool has_orientations = estimate.has_orientation && reference.has_orientation;
-    if (has_orientations) report.relative = relative_error(pairs, rpe_step(options));
+    if (reference.has_orientation) report.relative = relative_error(pairs, rpe_step(options));
     if (!options.kitti) return;
-    if (!has_orientations)
-        throw CommandError(exit_input_data, "--kitti needs orientations, and " +
-                                                (reference.has_orientation ? options.estimate : options.reference) +
-                                                " has positions alone");
+    if (!reference.has_orientation)
+        throw CommandError(exit_input_data,
+                           "--kitti needs orientations, and " + options.reference + " has positions alone");
     report.kitti = kitti_error(pairs);
     if (report.kitti->segments.empty()) {
         char way[40];

@@ -23,7 +23,7 @@ std::vector<PublishedPoint> read_published_points(const std::string& file) {
 }
 
 void read_truth(const EvaluationSettings& settings, EvaluationReference& reference) {
-    TrajectoryFile file = read_trajectory(settings.truth, "[evaluation] truth");
+    TrajectoryFile file = read_trajectory(settings.truth, "[evaluation] truth", Needed::positions);
     reference.truth = std::move(file.poses);
     reference.truth_has_orientation = file.has_orientation;
     reference.truth_point_m = {settings.truth_point_x_m, settings.truth_point_y_m};

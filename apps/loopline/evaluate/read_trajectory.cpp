@@ -22,15 +22,15 @@ StampedPose kitti_pose(const TextRow& row, std::size_t index) {
 
 }  // namespace
 
-TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::string& what) {
+TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::string& what, Needed needed) {
     TrajectoryFile trajectory;
     const std::size_t columns = columns_of_first_row(file, what);
     trajectory.has_stamps = columns != 12;
     trajectory.has_orientation = columns != 3;
     if (columns == 8) trajectory.poses = read_tum(file);
     const auto take = [&](const TextRow& row) {
-        if (columns != 3 && columns != 4 && columns != 12)
-            row.fail("a trajectory has 8 columns (TUM), 4 (t x y theta), 3 (t x y) or 12 (KITTI), this line has " +
+        if (columns != 4 && columns != 12 && !(columns == 3 && needed == Needed::positions))
+            row.fail("a trajectory has 8 columns (TUM), 4 (t x y theta) or 12 (KITTI), this line has " +
                      std::to_string(columns));
         if (row.size() != columns)
             row.fail("this line has " + std::to_string(row.size()) + " columns, the first one has " +
@@ -42,7 +42,7 @@ TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::str
     if (trajectory.poses.empty())
         throw CommandError(exit_input_data, file.string() + " has no pose in it; give " + what +
                                                 " as TUM (t x y z qx qy qz qw), "
-                                                "\"t x y theta\", \"t x y\" or KITTI poses");
+                                                "\"t x y theta\" or KITTI poses");
     return trajectory;
 }
 
