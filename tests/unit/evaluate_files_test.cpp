@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "commands/command.h"
+#include "evaluate/evaluation_reference.h"
 #include "evaluate/evaluate_run.h"
 #include "evaluate/read_trajectory.h"
 #include "evaluate/relations.h"
@@ -70,6 +71,25 @@ TEST_F(EvaluateFiles, the_format_is_told_by_the_columns) {
     EXPECT_FALSE(kitti.has_stamps);
     EXPECT_LT((kitti.poses[0].T_map_base * Eigen::Vector3d(0, 1, 0) - Eigen::Vector3d(5, 6, 8)).norm(),
               1e-12);
+}
+
+TEST_F(EvaluateFiles, truth_of_another_point_of_the_vehicle_is_brought_to_base_where_it_has_headings) {
+    EvaluationSettings settings;
+    settings.truth_point_x_m = 0.5;
+    settings.truth_point_y_m = -0.2;
+    // Base at (1, 2), heading along y: the point is 0.5 m ahead and 0.2 m to the right of it.
+    settings.truth = file("point.txt", "5 1.2 2.5 1.5707963267948966\n");
+    const auto moved = load_evaluation_reference(settings);
+    EXPECT_LT((moved->truth[0].T_map_base.translation_m - Eigen::Vector3d(1, 2, 0)).norm(), 1e-12);
+    EXPECT_TRUE(moved->truth_point_m.isZero());
+
+    settings.truth = file("mark.txt", "5 1.2 2.5\n");
+    const auto tracked = load_evaluation_reference(settings);
+    EXPECT_EQ(tracked->truth[0].T_map_base.translation_m, Eigen::Vector3d(1.2, 2.5, 0));
+    EXPECT_EQ(tracked->truth_point_m, Eigen::Vector2d(0.5, -0.2));
+
+    settings.surveyed = file("points.csv", "kind,number,x_m,y_m\n");
+    EXPECT_NE(error_of([&] { load_evaluation_reference(settings); }).find("has no headings"), std::string::npos);
 }
 
 TEST_F(EvaluateFiles, what_is_wrong_is_said_with_file_and_line) {
