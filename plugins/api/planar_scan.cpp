@@ -36,12 +36,14 @@ bool to_planar_scan(const mrpt::obs::CObservation2DRangeScan& observation, Plana
         std::isfinite(observation.stdError) && observation.stdError > 0 ? observation.stdError : 0;
     scan.T_base_sensor = T_base_sensor;
     scan.ranges_m.resize(beams);
+    // The ranges lie in one vector: one checked call instead of one a beam.
+    const float* const ranges_m = &observation.getScanRange(0);
+    const float max_range_m = static_cast<float>(scan.max_range_m);
     for (std::size_t i = 0; i < beams; ++i) {
         // rightToLeft is counter-clockwise; a clockwise scan is turned round.
         const std::size_t source = observation.rightToLeft ? i : beams - 1 - i;
-        const float range_m = observation.getScanRange(source);
-        const bool usable = observation.getScanRangeValidity(source) && std::isfinite(range_m) &&
-                            range_m > 0 && range_m < static_cast<float>(scan.max_range_m);
+        const float range_m = ranges_m[source];
+        const bool usable = range_m > 0 && range_m < max_range_m && observation.getScanRangeValidity(source);
         scan.ranges_m[i] = usable ? range_m : 0.0f;
     }
     return true;

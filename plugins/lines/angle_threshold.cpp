@@ -38,12 +38,12 @@ AngleThreshold::Turn AngleThreshold::turn_at(const Interval& block, std::size_t 
                                      (cos2_after * cos2_after + sin2_after * sin2_after));
     turn.sin2 = lengths > 0 ? 0.5 * (1 - dot / lengths) : 0;
     // A line's direction is known only up to pi: a path that turns back is told by its chords' end points.
-    const ScanPoint &p = points_[first], &q = points_[point], &r = points_[last];
+    const ScanPoint p = points_[first], q = points_[point], r = points_[last];
     if ((q.x_m - p.x_m) * (r.x_m - q.x_m) + (q.y_m - p.y_m) * (r.y_m - q.y_m) < 0) turn.sin2 = 2 - turn.sin2;
     // var(direction) = var(d) / (sum of squares along the chord).
     const double cross = q.x_m * (r.y_m - p.y_m) - q.y_m * (r.x_m - p.x_m);
     const double chord2 = points_.squared_distance_m2(first, last);
-    const double r2 = q.range_m * q.range_m;
+    const double r2 = q.squared_range_m2();
     const double cos2_incidence = chord2 > 0 ? std::min(1.0, cross * cross / (chord2 * r2)) : 1;
     const double variance_m2 = noise_.range_variance_m2 * cos2_incidence + noise_.wall_variance_m2 +
                                noise_.bearing_variance_rad2 * r2 * (1 - cos2_incidence);

@@ -5,8 +5,8 @@ namespace loopline::lines {
 void BlockwiseExtractor::extract(const PlanarScan& scan, LineSegments& segments) {
     points_.load(scan);
     noise_ = stated_noise(parameters_, scan.sigma_range_m);
-    split_at_gaps(points_, parameters_, noise_, blocks_);
-    noise_.scale(measured_noise_factor(points_, blocks_, noise_, scratch_));
+    gap_splitter_.split(points_, noise_, blocks_);
+    noise_.scale(noise_meter_.factor(points_, blocks_, noise_));
     pieces_.clear();
     for (const Interval& block : blocks_) {
         if (block.size() < static_cast<std::size_t>(parameters_.min_beams)) continue;

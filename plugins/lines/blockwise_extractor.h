@@ -11,7 +11,7 @@ namespace loopline::lines {
 class BlockwiseExtractor : public LineExtractor {
  public:
     explicit BlockwiseExtractor(const ExtractionParameters& parameters)
-        : parameters_(parameters), splitter_(parameters) {}
+        : parameters_(parameters), splitter_(parameters), gap_splitter_(parameters) {}
     void extract(const PlanarScan& scan, LineSegments& segments) final;
 
  protected:
@@ -27,7 +27,8 @@ class BlockwiseExtractor : public LineExtractor {
 
  private:
     std::vector<Interval> blocks_;
-    std::vector<double> scratch_;
+    GapSplitter gap_splitter_;
+    NoiseMeter noise_meter_;
     LineAssembler assembler_;
 };
 

@@ -10,9 +10,9 @@ constexpr double gate_sigmas2 = 9;
 }  // namespace
 
 bool Incremental::lies_on(const QuickFit& fit, double count, std::size_t point) const {
-    const ScanPoint& p = points_[point];
+    const ScanPoint p = points_[point];
     const double d_m = fit.line.distance_m(p.x_m, p.y_m), t_m = fit.line.along_m(p.x_m, p.y_m);
-    const double cos2_incidence = std::max(0.0, 1 - t_m * t_m / (p.range_m * p.range_m));
+    const double cos2_incidence = std::max(0.0, 1 - t_m * t_m / p.squared_range_m2());
     const double own_m2 = noise_.variance_m2(cos2_incidence, t_m);
     // The line's own uncertainty where the point is: known at its middle, growing with the square of the
     // distance.

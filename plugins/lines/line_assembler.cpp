@@ -10,29 +10,25 @@ namespace loopline::lines {
 namespace {
 
 constexpr double chi2_2_99 = 9.2103;
-/// The stated noise counts as much as this many residuals, so that short lines are not judged by a handful of
-/// them.
-constexpr double prior_degrees_of_freedom = 30;
-constexpr double max_autocorrelation = 0.95;
 constexpr double extension_sigmas2 = 4;
 
 double along_m(const NormalForm& line, const ScanPoint& p) {
     return line.along_m(p.x_m, p.y_m);
 }
 
-/// What the residuals say about the covariance that the noise model gives: by their size (the stated noise
-/// taken as prior_degrees_of_freedom earlier residuals, and never less than stated), and by their order.
-/// Residuals of an even wall are independent; on one that wobbles, bows or is a stair of grid cells
-/// neighbours agree, and n of them are worth only n (1 - r) / (1 + r) with the autocorrelation r.
-double covariance_factor(const LikelyFit& fit) {
-    const double count = static_cast<double>(fit.count), degrees = count - 2;
-    const double excess = fit.chi2 / degrees;
-    const double by_size = excess > chi2_per_degree_limit(degrees)
-                               ? excess
-                               : (prior_degrees_of_freedom + fit.chi2) / (prior_degrees_of_freedom + degrees);
-    const double r = std::min(fit.autocorrelation, max_autocorrelation);
-    const double by_order = r * r * count > 4 && r > 0 ? (1 + r) / (1 - r) : 1;
-    return std::max(1.0, by_size) * by_order;
+/// The piece with the points beside it, within `free`, that lie on its line: where a break was a little off a
+/// corner, what it cut off was too short for a piece.
+Interval extended(const ScanPoints& points, const Piece& piece, const Interval& free) {
+    const NormalForm& line = piece.shape.fit.line;
+    const double variance_m2 = std::max(piece.shape.fit.across_m2, piece.shape.variance_m2);
+    const auto belongs = [&](std::size_t i) {
+        const double d_m = line.distance_m(points[i].x_m, points[i].y_m);
+        return d_m * d_m < extension_sigmas2 * variance_m2;
+    };
+    Interval run = piece.run;
+    while (run.begin > free.begin && belongs(run.begin - 1)) --run.begin;
+    while (run.end < free.end && belongs(run.end)) ++run.end;
+    return run;
 }
 
 LineSegment segment_of(const ScanPoints& points, const LikelyFit& fit, std::size_t first, std::size_t last) {
@@ -59,25 +55,31 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
                              const NoiseModel& noise, const ExtractionParameters& parameters,
                              LineSegments& segments) {
     candidates_.clear();
-    labels_.assign(points.size(), -1);
-    for (const Piece& piece : pieces) {
-        const int label = static_cast<int>(&piece - pieces.data());
-        std::fill(labels_.begin() + static_cast<std::ptrdiff_t>(piece.run.begin),
-                  labels_.begin() + static_cast<std::ptrdiff_t>(piece.run.end), label);
-    }
-    for (const Piece& piece : pieces) {
-        LineCandidate c;
-        c.label = static_cast<int>(candidates_.size());
-        c.run = piece.run;
+    fitter_.clear();
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const Piece& piece = pieces[i];
+        LineCandidate& c = candidates_.emplace_back();
+        c.line = i;
+        c.part = piece.run;
         if (piece.arc || piece.run.size() < static_cast<std::size_t>(parameters.min_beams)) {
+            c.run = c.part;
             c.rejected = true;
-        } else {
-            extend(points, noise, piece, c);
-            c.moments = points.moments(c.run);
-            c.rejected = !fit(points, noise, c);
+            continue;
         }
-        candidates_.push_back(c);
+        const std::size_t previous_end = i > 0 ? candidates_[i - 1].part.end : 0;
+        const std::size_t next_begin = i + 1 < pieces.size() ? pieces[i + 1].run.begin : points.size();
+        c.part = c.run =
+            extended(points, piece,
+                     {std::max(piece.block.begin, previous_end), std::min(piece.block.end, next_begin)});
+        c.moments = points.moments(c.run);
+        const bool longer = c.run.size() > piece.run.size();
+        start(longer ? quick_fit(c.moments) : piece.shape.fit, c.moments, noise);
+        fitter_.add_run(c.run);
     }
+    fitter_.fit(points, noise);
+    std::size_t fitted = 0;
+    for (LineCandidate& c : candidates_)
+        if (!c.rejected) c.take(fitter_[fitted++]);
     drop_chains_of_chords(points, pieces, parameters, candidates_);
     merge_collinear(points, noise, parameters);
 
@@ -89,33 +91,24 @@ void LineAssembler::assemble(const ScanPoints& points, const std::vector<Piece>&
               [](const LineSegment& a, const LineSegment& b) { return a.first_beam < b.first_beam; });
 }
 
-/// Takes in the points beside the piece that no piece has and that lie on its line: where a break was a
-/// little off a corner, what it cut off was too short for a piece.
-void LineAssembler::extend(const ScanPoints& points, const NoiseModel& noise, const Piece& piece,
-                           LineCandidate& c) {
-    const NormalForm& line = piece.shape.fit.line;
-    const double variance_m2 =
-        std::max(piece.shape.fit.across_m2, noise.mean_variance_m2(points.moments(c.run), line.rho_m));
-    const auto belongs = [&](std::size_t i) {
-        const double d_m = line.distance_m(points[i].x_m, points[i].y_m);
-        return labels_[i] < 0 && d_m * d_m < extension_sigmas2 * variance_m2;
-    };
-    while (c.run.begin > piece.block.begin && belongs(c.run.begin - 1)) labels_[--c.run.begin] = c.label;
-    while (c.run.end < piece.block.end && belongs(c.run.end)) labels_[c.run.end++] = c.label;
+/// Has a line fitted to points of these moments, from their quick fit.
+void LineAssembler::start(const QuickFit& quick, const Moments& moments, const NoiseModel& noise) {
+    const double variance_m2 = noise.mean_variance_m2(moments, quick);
+    const double excess = quick.across_m2 * moments.n / ((moments.n - 2) * variance_m2);
+    fitter_.add_line(quick.line, std::max(1.0, excess));
 }
 
-bool LineAssembler::fit(const ScanPoints& points, const NoiseModel& noise, LineCandidate& c) const {
-    const QuickFit quick = quick_fit(c.moments);
-    const double variance_m2 = noise.mean_variance_m2(c.moments, quick.line.rho_m);
-    const double excess = quick.across_m2 * c.moments.n / ((c.moments.n - 2) * variance_m2);
-    c.fit = likely_fit(points, c.run, labels_, c.label, quick.line, noise, std::max(1.0, excess));
-    if (!c.fit.valid) return false;
-    c.fit.covariance *= covariance_factor(c.fit);
-    if (!c.over_the_seam) {
-        c.first = c.fit.first;
-        c.last = c.fit.last;
-    }
-    return true;
+/// Fits the line again to all its parts.
+bool LineAssembler::refit(const ScanPoints& points, const NoiseModel& noise, const QuickFit& together,
+                          LineCandidate& c) {
+    fitter_.clear();
+    start(together, c.moments, noise);
+    for (const LineCandidate& other : candidates_)
+        if (other.line == c.line && other.part.begin >= c.run.begin && other.part.end <= c.run.end)
+            fitter_.add_run(other.part);
+    fitter_.fit(points, noise);
+    c.take(fitter_[0]);
+    return !c.rejected;
 }
 
 bool LineAssembler::acceptable(const ScanPoints& points, const ExtractionParameters& parameters,
@@ -171,8 +164,9 @@ bool LineAssembler::merge(const ScanPoints& points, const NoiseModel& noise,
     const double apart_m2 =
         (a.moments.n * quick_fit(a.moments).across_m2 + b.moments.n * quick_fit(b.moments).across_m2) /
         moments.n;
-    const double variance_m2 = std::max(apart_m2, noise.mean_variance_m2(moments, together.line.rho_m));
-    if (together.across_m2 > chi2_per_degree_limit(moments.n - 2) * variance_m2 + 4.0 / 45.0 * bow_m * bow_m)
+    const double variance_m2 = std::max(apart_m2, noise.mean_variance_m2(moments, together));
+    if (together.across_m2 > chi2_per_degree_limit(static_cast<std::size_t>(moments.n) - 2) * variance_m2 +
+                                 4.0 / 45.0 * bow_m * bow_m)
         return false;
 
     LineCandidate merged = a;
@@ -183,9 +177,9 @@ bool LineAssembler::merge(const ScanPoints& points, const NoiseModel& noise,
         merged.first = b.first;
         merged.last = a.last;
     }
-    std::replace(labels_.begin() + static_cast<std::ptrdiff_t>(b.run.begin),
-                 labels_.begin() + static_cast<std::ptrdiff_t>(b.run.end), b.label, a.label);
-    if (!fit(points, noise, merged)) {
+    for (LineCandidate& other : candidates_)
+        if (other.line == b.line) other.line = a.line;
+    if (!refit(points, noise, together, merged)) {
         // No line through both after all: the beams of b are lost to it, the line of a stands.
         b.rejected = true;
         return false;

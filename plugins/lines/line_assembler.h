@@ -18,9 +18,9 @@ class LineAssembler {
                   const ExtractionParameters& parameters, LineSegments& segments);
 
  private:
-    void extend(const ScanPoints& points, const NoiseModel& noise, const Piece& piece,
-                LineCandidate& candidate);
-    bool fit(const ScanPoints& points, const NoiseModel& noise, LineCandidate& candidate) const;
+    void start(const QuickFit& quick, const Moments& moments, const NoiseModel& noise);
+    bool refit(const ScanPoints& points, const NoiseModel& noise, const QuickFit& together,
+               LineCandidate& candidate);
     void merge_collinear(const ScanPoints& points, const NoiseModel& noise,
                          const ExtractionParameters& parameters);
     bool merge(const ScanPoints& points, const NoiseModel& noise, const ExtractionParameters& parameters,
@@ -28,8 +28,8 @@ class LineAssembler {
     bool acceptable(const ScanPoints& points, const ExtractionParameters& parameters,
                     const LineCandidate& c) const;
 
-    std::vector<LineCandidate> candidates_;
-    std::vector<int> labels_;  ///< candidate of each point, -1 where none
+    std::vector<LineCandidate> candidates_;  ///< one of each piece
+    LineFitter fitter_;
 };
 
 }  // namespace loopline::lines

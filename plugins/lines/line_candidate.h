@@ -10,9 +10,10 @@
 namespace loopline::lines {
 
 struct LineCandidate {
-    int label = 0;
-    Interval run;     ///< from its first point to its last; others may lie between
-    Moments moments;  ///< of its points
+    Interval part;         ///< the piece that it comes from
+    std::size_t line = 0;  ///< index of the candidate that has the part's points: itself until it is merged
+    Interval run;          ///< from its first point to its last; others may lie between
+    Moments moments;       ///< of its points
     LikelyFit fit;
     bool rejected = false;
     std::size_t first = 0;  ///< outermost points of the fit, in the order of bearing
@@ -20,6 +21,13 @@ struct LineCandidate {
     bool over_the_seam =
         false;  ///< in a full-circle scan: begins before its end and ends after its beginning
 
+    void take(const LikelyFit& likely_fit) {
+        fit = likely_fit;
+        rejected = !fit.valid;
+        if (over_the_seam) return;
+        first = fit.first;
+        last = fit.last;
+    }
     double length_m(const ScanPoints& points) const {
         return fit.line.along_m(points[last].x_m, points[last].y_m) -
                fit.line.along_m(points[first].x_m, points[first].y_m);

@@ -1,7 +1,9 @@
 #include "lines/line_fit.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "lines/straightness.h"
+#include "lines/vectorised.h"
 
 namespace loopline::lines {
 namespace {
@@ -9,64 +11,19 @@ namespace {
 constexpr double gate_sigmas = 3;
 constexpr double end_sigmas = 2.5;
 constexpr int max_steps = 8;
-constexpr double settled_sigmas = 1e-2;     // a step below this part of the result's own sigma is the last
-constexpr double min_cos_incidence = 0.02;  // 88.9 degrees: a beam along the wall says nothing about it
+// A step below this part of the result's own sigma is the last: what another one would change is some
+// hundredth of it.
+constexpr double settled_sigmas = 0.3;
 constexpr double singular = 1e-12;
+/// The stated noise counts as much as this many residuals, so that short lines are not judged by a handful of
+/// them.
+constexpr double prior_degrees_of_freedom = 30;
+constexpr double max_autocorrelation = 0.95;
 
-/// A beam seen from a line: residual d, weight 1 / var(d), and where the beam would meet the line. The last
-/// follows from the beam's direction alone: the measured range is off by the same noise as d, and would bias
-/// alpha.
-struct Residual {
-    bool usable;
-    double d_m, weight, t_m;
-};
-
-Residual residual(const ScanPoint& p, bool at_edge, const NormalForm& line, const NoiseModel& noise) {
-    const double cos_incidence = p.cos_bearing * line.nx + p.sin_bearing * line.ny;
-    if (cos_incidence < min_cos_incidence) return {false, 0, 0, 0};
-    const double sin_incidence = p.sin_bearing * line.nx - p.cos_bearing * line.ny;
-    const double tt_cos2 = line.rho_m * line.rho_m * sin_incidence * sin_incidence,
-                 cos2 = cos_incidence * cos_incidence;
-    // variance cos^2 and t cos, so that one division serves both.
-    double variance_cos2 = (noise.range_variance_m2 * cos2 + noise.wall_variance_m2) * cos2 +
-                           noise.bearing_variance_rad2 * tt_cos2;
-    if (at_edge)
-        variance_cos2 +=
-            noise.edge_variance_rad2 * p.range_m * p.range_m * sin_incidence * sin_incidence * cos2;
-    const double inverse = 1 / (variance_cos2 * cos_incidence);
-    return {true, p.range_m * cos_incidence - line.rho_m, cos2 * cos_incidence * inverse,
-            line.rho_m * sin_incidence * variance_cos2 * inverse};
+/// Slots of a run of n points: their number rounded up, and at least one empty one.
+std::size_t slots(std::size_t n) {
+    return (n / vector_points + 1) * vector_points;
 }
-
-bool within(const Residual& r, double gate2) {
-    return r.usable && r.d_m * r.d_m * r.weight <= gate2;
-}
-
-/// Weighted sums of the normal equations of d = delta_rho - t delta_alpha, and what is reported of the
-/// points.
-struct NormalEquations {
-    double w = 0, wt = 0, wtt = 0, wd = 0, wtd = 0, wdd = 0, wdd_lagged = 0, dd = 0, previous_d_m = 0;
-    std::size_t count = 0, first = 0, last = 0;
-
-    void add(const Residual& r, std::size_t i) {
-        const double weighted_t = r.weight * r.t_m, weighted_d = r.weight * r.d_m;
-        w += r.weight;
-        wt += weighted_t;
-        wtt += weighted_t * r.t_m;
-        wd += weighted_d;
-        wtd += weighted_t * r.d_m;
-        wdd += weighted_d * r.d_m;
-        wdd_lagged += weighted_d * previous_d_m;
-        previous_d_m = r.d_m;
-        dd += r.d_m * r.d_m;
-        if (count++ == 0) first = i;
-        last = i;
-    }
-    double determinant() const { return w * wtt - wt * wt; }
-    bool solvable() const { return count >= 3 && determinant() > singular * w * wtt; }
-    double delta_rho_m() const { return (wtt * wd - wt * wtd) / determinant(); }
-    double delta_alpha_rad() const { return (wt * wd - w * wtd) / determinant(); }
-};
 
 NormalForm moved(const NormalForm& line, double delta_rho_m, double delta_alpha_rad) {
     // Turned by atan(delta_alpha): the same for the small steps that matter, and a safe unit vector for
@@ -76,79 +33,188 @@ NormalForm moved(const NormalForm& line, double delta_rho_m, double delta_alpha_
             line.rho_m + delta_rho_m};
 }
 
-}  // namespace
-
-QuickFit quick_fit(const Moments& m) {
-    const double mean_x = m.x / m.n, mean_y = m.y / m.n;
-    const double sxx = m.xx / m.n - mean_x * mean_x, syy = m.yy / m.n - mean_y * mean_y;
-    const double sxy = m.xy / m.n - mean_x * mean_y;
-    const double difference = sxx - syy, twice_sxy = 2 * sxy;
-    const double spread = std::sqrt(difference * difference + twice_sxy * twice_sxy);
-
-    QuickFit fit;
-    // The line runs along (cos a, sin a), where (cos 2a, sin 2a) = (difference, twice_sxy) / spread.
-    double cos_a = 1, sin_a = 0;
-    if (spread > 0 && difference >= 0) {
-        cos_a = std::sqrt(0.5 * (1 + difference / spread));
-        sin_a = 0.5 * twice_sxy / (spread * cos_a);
-    } else if (spread > 0) {
-        sin_a = std::sqrt(0.5 * (1 - difference / spread));
-        cos_a = 0.5 * twice_sxy / (spread * sin_a);
-    }
-    fit.line = {-sin_a, cos_a, -sin_a * mean_x + cos_a * mean_y};
-    if (fit.line.rho_m < 0) fit.line = {-fit.line.nx, -fit.line.ny, -fit.line.rho_m};
-    fit.across_m2 = std::max(0.0, 0.5 * (sxx + syy - spread));
-    fit.along_m2 = std::max(0.0, 0.5 * (sxx + syy + spread));
-    return fit;
+/// What the residuals say about the covariance that the noise model gives: by their size (the stated noise
+/// taken as prior_degrees_of_freedom earlier residuals, and never less than stated), and by their order.
+/// Residuals of an even wall are independent; on one that wobbles, bows or is a stair of grid cells
+/// neighbours agree, and n of them are worth only n (1 - r) / (1 + r) with the autocorrelation r.
+double covariance_factor(const LikelyFit& fit) {
+    const double count = static_cast<double>(fit.count), degrees = count - 2;
+    const double excess = fit.chi2 / degrees;
+    const double by_size = excess > chi2_per_degree_limit(fit.count - 2)
+                               ? excess
+                               : (prior_degrees_of_freedom + fit.chi2) / (prior_degrees_of_freedom + degrees);
+    const double r = std::min(fit.autocorrelation, max_autocorrelation);
+    // No branch: whether neighbours agree can't be predicted.
+    const double in_order = static_cast<double>((r * r * count > 4) & (r > 0));
+    const double by_order = 1 + in_order * (2 * r / (1 - r));
+    return std::max(1.0, by_size) * by_order;
 }
 
-LikelyFit likely_fit(const ScanPoints& points, const Interval& run, const std::vector<int>& labels, int label,
-                     const NormalForm& start, const NoiseModel& noise, double variance_factor) {
-    LikelyFit fit;
-    const double gate2 = gate_sigmas * gate_sigmas * variance_factor;
-    const double end_gate2 = end_sigmas * end_sigmas * variance_factor;
-    fit.line = start;
+}  // namespace
 
-    const auto at_edge = [&](std::size_t i) {
-        return i == 0 || i + 1 == points.size() || labels[i - 1] != label || labels[i + 1] != label;
-    };
-    Interval ends = run;
-    const auto hangs_off = [&](std::size_t i) {
-        return labels[i] != label || !within(residual(points[i], at_edge(i), fit.line, noise), end_gate2);
-    };
-    while (ends.size() > 2 && (hangs_off(ends.begin) || hangs_off(ends.begin + 1))) ++ends.begin;
-    while (ends.size() > 2 && (hangs_off(ends.end - 1) || hangs_off(ends.end - 2))) --ends.end;
+void LineFitter::clear() {
+    lines_.clear();
+    runs_.clear();
+}
 
-    // Gauss-Newton on (rho, alpha); the weights follow the line.
-    for (int step = 0; step < max_steps; ++step) {
-        NormalEquations sums;
-        for (std::size_t i = ends.begin; i < ends.end; ++i) {
-            if (labels[i] != label) continue;
-            const Residual r = residual(points[i], at_edge(i), fit.line, noise);
-            if (within(r, gate2)) sums.add(r, i);
-        }
-        if (!sums.solvable()) return fit;
-        const double delta_rho_m = sums.delta_rho_m(), delta_alpha_rad = sums.delta_alpha_rad();
-        fit.line = moved(fit.line, delta_rho_m, delta_alpha_rad);
-        if (!(fit.line.rho_m > 0)) return fit;
+void LineFitter::add_line(const NormalForm& start, double variance_factor) {
+    Line& line = lines_.emplace_back();
+    line.fit.line = start;
+    line.variance_factor = variance_factor;
+    line.first_run = line.end_run = runs_.size();
+}
 
-        const double settled2 = settled_sigmas * settled_sigmas;
-        if (delta_rho_m * delta_rho_m * sums.determinant() < settled2 * sums.wtt &&
-            delta_alpha_rad * delta_alpha_rad * sums.determinant() < settled2 * sums.w) {
-            fit.valid = true;
-            // Inverse of the Fisher information, the sum of J' J / var(d) with J = (-1, t).
-            fit.covariance << sums.wtt, sums.wt, sums.wt, sums.w;
-            fit.covariance /= sums.determinant();
-            fit.chi2 = sums.wdd;
-            fit.rms_m = std::sqrt(sums.dd / static_cast<double>(sums.count));
-            fit.autocorrelation = sums.wdd > 0 ? sums.wdd_lagged / sums.wdd : 0;
-            fit.count = sums.count;
-            fit.first = sums.first;
-            fit.last = sums.last;
-            return fit;
+void LineFitter::add_run(const Interval& run) {
+    Line& line = lines_.back();
+    if (line.first_run < line.end_run && runs_.back().end == run.begin) {
+        runs_.back().end = run.end;
+        return;
+    }
+    runs_.push_back({run});
+    ++line.end_run;
+}
+
+void LineFitter::prepare(const ScanPoints& points, const NoiseModel& noise) {
+    std::size_t slot = 0;
+    for (Line& line : lines_) {
+        line.first_slot = slot;
+        for (std::size_t k = line.first_run; k < line.end_run; ++k) slot += slots(runs_[k].size());
+        line.end_slot = slot;
+    }
+    if (weights_.size() < slot) {
+        weights_.resize(slot);
+        residuals_m_.resize(slot);
+    }
+    edge_variances_rad2_.assign(slot, 0);
+    for (const Line& line : lines_) {
+        double* edge = edge_variances_rad2_.data() + line.first_slot;
+        for (std::size_t k = line.first_run; k < line.end_run; edge += slots(runs_[k].size()), ++k) {
+            if (runs_[k].begins_at_edge) edge[0] = noise.edge_variance_rad2;
+            if (runs_[k].ends_at_edge) edge[runs_[k].size() - 1] = noise.edge_variance_rad2;
         }
     }
-    return fit;
+    if (ones_.size() < points.size() + vector_points) {
+        ones_.assign(points.size(), 1);
+        ones_.resize(points.size() + vector_points);
+    }
+}
+
+void LineFitter::fit(const ScanPoints& points, const NoiseModel& noise) {
+    open_.clear();
+    for (Line& line : lines_) {
+        cut_hanging_ends(points, noise, line);
+        open_.push_back(static_cast<std::size_t>(&line - lines_.data()));
+    }
+    prepare(points, noise);
+    // Gauss-Newton on (rho, alpha); the weights follow the line.
+    for (int steps = 0; steps < max_steps && !open_.empty(); ++steps) {
+        for (const std::size_t i : open_) sum_up(points, noise, lines_[i]);
+        std::size_t still_open = 0;
+        for (const std::size_t i : open_) {
+            open_[still_open] = i;
+            still_open += step(lines_[i]);
+        }
+        open_.resize(still_open);
+    }
+    for (Line& line : lines_)
+        if (line.fit.valid) describe_residuals(line);
+}
+
+/// Cuts points until the two outermost ones at both ends lie on the line.
+void LineFitter::cut_hanging_ends(const ScanPoints& points, const NoiseModel& noise, Line& line) {
+    const double gate2 = end_sigmas * end_sigmas * line.variance_factor;
+    const auto on_line = [&](std::size_t i, bool at_edge) {
+        return lies_on(points[i].x_m, points[i].y_m, at_edge ? noise.edge_variance_rad2 : 0, line.fit.line,
+                       noise, gate2);
+    };
+    while (line.first_run < line.end_run) {
+        Run& run = runs_[line.first_run];
+        if (run.size() > 1 && on_line(run.begin, run.begins_at_edge) &
+                                  on_line(run.begin + 1, run.ends_at_edge & (run.size() == 2)))
+            break;
+        run.begins_at_edge = false;
+        if (++run.begin == run.end) ++line.first_run;
+    }
+    while (line.first_run < line.end_run) {
+        Run& run = runs_[line.end_run - 1];
+        if (run.size() > 1 && on_line(run.end - 1, run.ends_at_edge) &
+                                  on_line(run.end - 2, run.begins_at_edge & (run.size() == 2)))
+            break;
+        run.ends_at_edge = false;
+        if (--run.end == run.begin) --line.end_run;
+    }
+}
+
+void LineFitter::sum_up(const ScanPoints& points, const NoiseModel& noise, Line& line) {
+    line.sums = {};
+    std::size_t slot = line.first_slot;
+    for (std::size_t k = line.first_run; k < line.end_run; ++k) {
+        const Interval run = runs_[k];
+        const double* const counted = ones_.data() + (ones_.size() - vector_points - run.size());
+        const NormalEquations sums = normal_equations(
+            points.x_m() + run.begin, points.y_m() + run.begin, edge_variances_rad2_.data() + slot, counted,
+            slots(run.size()), line.fit.line, noise, gate_sigmas * gate_sigmas * line.variance_factor,
+            weights_.data() + slot, residuals_m_.data() + slot);
+        line.sums = line.sums + sums;
+        slot += slots(run.size());
+    }
+}
+
+/// Moves the line to where its equations say. True if it needs another step.
+bool LineFitter::step(Line& line) {
+    const NormalEquations sums = line.sums;
+    LikelyFit& fit = line.fit;
+    const double determinant = sums.w * sums.wtt - sums.wt * sums.wt, inverse = 1 / determinant;
+    const double delta_rho_m = (sums.wtt * sums.wd - sums.wt * sums.wtd) * inverse;
+    const double delta_alpha_rad = (sums.wt * sums.wd - sums.w * sums.wtd) * inverse;
+    fit.line = moved(fit.line, delta_rho_m, delta_alpha_rad);
+    // Inverse of the Fisher information, the sum of J' J / var(d) with J = (-1, t).
+    const double variance_rho = sums.wtt * inverse, variance_alpha = sums.w * inverse,
+                 covariance = sums.wt * inverse;
+    fit.covariance << variance_rho, covariance, covariance, variance_alpha;
+    fit.chi2 = sums.wdd - delta_rho_m * sums.wd + delta_alpha_rad * sums.wtd;
+
+    const bool possible = (determinant > singular * sums.w * sums.wtt) & (fit.line.rho_m > 0);
+    const double settled2 = settled_sigmas * settled_sigmas;
+    const bool settled = (delta_rho_m * delta_rho_m < settled2 * variance_rho) &
+                         (delta_alpha_rad * delta_alpha_rad < settled2 * variance_alpha);
+    fit.valid = possible & settled;
+    return possible & !settled;
+}
+
+/// Says which points are in the fit, and by how much and in which order they are off.
+void LineFitter::describe_residuals(Line& line) {
+    const NormalEquations& sums = line.sums;
+    LikelyFit& fit = line.fit;
+    fit.count = static_cast<std::size_t>(sums.count);
+    fit.valid = fit.count >= 3;
+    if (!fit.valid) return;
+    fit.rms_m = std::sqrt(sums.dd / sums.count);
+    const double wdd_lagged =
+        lagged_squares(weights_.data() + line.first_slot, residuals_m_.data() + line.first_slot,
+                       line.end_slot - line.first_slot);
+    fit.autocorrelation = sums.wdd > 0 ? wdd_lagged / sums.wdd : 0;
+    fit.covariance *= covariance_factor(fit);
+    fit.first = first_in_fit(line);
+    fit.last = last_in_fit(line);
+}
+
+std::size_t LineFitter::first_in_fit(const Line& line) const {
+    std::size_t slot = line.first_slot;
+    for (std::size_t k = line.first_run; k < line.end_run; slot += slots(runs_[k].size()), ++k)
+        for (std::size_t i = 0; i < runs_[k].size(); ++i)
+            if (weights_[slot + i] > 0) return runs_[k].begin + i;
+    return runs_[line.end_run - 1].end;
+}
+
+std::size_t LineFitter::last_in_fit(const Line& line) const {
+    std::size_t slot = line.end_slot;
+    for (std::size_t k = line.end_run; k-- > line.first_run;) {
+        slot -= slots(runs_[k].size());
+        for (std::size_t i = runs_[k].size(); i-- > 0;)
+            if (weights_[slot + i] > 0) return runs_[k].begin + i;
+    }
+    return runs_[line.first_run].begin;
 }
 
 }  // namespace loopline::lines

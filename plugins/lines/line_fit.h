@@ -1,31 +1,15 @@
-/// Two least-squares lines: the quick one from running sums, which decides where lines begin and end, and the
-/// maximum-likelihood one with its covariance, which is published. Derivation: docs/papers/lines.md.
+/// The maximum-likelihood line with its covariance, which is published. Derivation: docs/papers/lines.md.
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "lines/noise_model.h"
+#include "lines/normal_equations.h"
+#include "lines/quick_fit.h"
 #include "lines/scan_points.h"
 
 namespace loopline::lines {
-
-/// nx x + ny y = rho, with (nx, ny) = (cos alpha, sin alpha) a unit vector and rho >= 0.
-struct NormalForm {
-    double nx = 1, ny = 0, rho_m = 0;
-
-    double distance_m(double x_m, double y_m) const { return nx * x_m + ny * y_m - rho_m; }
-    /// Coordinate along the line, growing with the bearing; 0 at the foot point.
-    double along_m(double x_m, double y_m) const { return nx * y_m - ny * x_m; }
-};
-
-/// Total least squares, every point alike.
-struct QuickFit {
-    NormalForm line;
-    double across_m2 = 0;  ///< mean square distance from the line
-    double along_m2 = 0;   ///< variance of the points along it
-};
-/// Needs two different points.
-QuickFit quick_fit(const Moments& moments);
 
 /// The normal form with the greatest likelihood under the noise model.
 struct LikelyFit {
@@ -41,11 +25,48 @@ struct LikelyFit {
     std::size_t last = 0;
 };
 
-/// Fits the points of `run` that carry `label` (labels[i] of point i), starting from `start`. Points off by
-/// more than three sigma have no part in it, and ends that hang off the line are cut, so that corners and
-/// mixed pixels don't drag it. `variance_factor` says by how much residuals exceed the model, for that gate
-/// only.
-LikelyFit likely_fit(const ScanPoints& points, const Interval& run, const std::vector<int>& labels, int label,
-                     const NormalForm& start, const NoiseModel& noise, double variance_factor);
+/// Fits the lines of a scan side by side: no step of one waits for another's.
+class LineFitter {
+ public:
+    void clear();
+    /// A line to fit, starting from `start`. `variance_factor` says by how much residuals exceed the model,
+    /// for the gate only.
+    void add_line(const NormalForm& start, double variance_factor);
+    /// Points of the line added last. Runs come in order; those that touch become one.
+    void add_run(const Interval& run);
+    /// Points off by more than three sigma have no part in the fits, and ends that hang off the line are cut,
+    /// so that corners and mixed pixels don't drag it.
+    void fit(const ScanPoints& points, const NoiseModel& noise);
+    /// In the order in which the lines were added.
+    const LikelyFit& operator[](std::size_t i) const { return lines_[i].fit; }
+
+ private:
+    /// Of neighbouring points of a line, and whether those at its ends have none of the line beside them.
+    struct Run : Interval {
+        bool begins_at_edge = true, ends_at_edge = true;
+    };
+    struct Line {
+        LikelyFit fit;
+        double variance_factor;
+        std::size_t first_run, end_run;    ///< in runs_
+        std::size_t first_slot, end_slot;  ///< in weights_ and residuals_m_
+        NormalEquations sums;
+    };
+    void prepare(const ScanPoints& points, const NoiseModel& noise);
+    void cut_hanging_ends(const ScanPoints& points, const NoiseModel& noise, Line& line);
+    void sum_up(const ScanPoints& points, const NoiseModel& noise, Line& line);
+    static bool step(Line& line);
+    void describe_residuals(Line& line);
+    std::size_t first_in_fit(const Line& line) const;
+    std::size_t last_in_fit(const Line& line) const;
+
+    std::vector<Line> lines_;
+    std::vector<std::size_t> open_;  ///< lines that take another step
+    std::vector<Run> runs_;          ///< of all lines
+    // Of the points of all lines: each run has as many slots as it has points, rounded up, and an empty one.
+    std::vector<double> weights_, residuals_m_;
+    std::vector<double> edge_variances_rad2_;  ///< (w / 2)^2 of a beam at an edge, 0 of others
+    std::vector<double> ones_;                 ///< as many as there are points, then zeros
+};
 
 }  // namespace loopline::lines

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "lines/extraction_parameters.h"
-#include "lines/scan_points.h"
+#include "lines/quick_fit.h"
 
 namespace loopline::lines {
 
@@ -26,12 +26,14 @@ struct NoiseModel {
     double variance_m2(double cos2_incidence, double t_m) const {
         return range_variance_m2 * cos2_incidence + bearing_variance_rad2 * t_m * t_m + wall_variance_m2;
     }
-    /// Mean of var(d) over points with these moments on a line at distance rho: cos(phi) = rho / r.
-    double mean_variance_m2(const Moments& m, double rho_m) const {
-        const double mean_cos2 = rho_m * rho_m * m.inverse_rr / m.n;
-        const double mean_tt = (m.xx + m.yy) / m.n - rho_m * rho_m;
-        return range_variance_m2 * (mean_cos2 < 1 ? mean_cos2 : 1) +
-               bearing_variance_rad2 * (mean_tt > 0 ? mean_tt : 0) + wall_variance_m2;
+    /// Mean of var(d) over points with these moments and axes, on their least-squares line: the mean of
+    /// cos^2(phi) follows from the sums over the beams' bearings, that of t^2 from those over the points.
+    double mean_variance_m2(const Moments& m, const PrincipalAxes& axes) const {
+        const double inverse_n = 1 / m.n;
+        // The normal has a direction of a + pi/2.
+        const double mean_cos2 = 0.5 - 0.5 * inverse_n * (axes.cos_2a * m.cos2 + axes.sin_2a * m.sin2);
+        const double mean_tt = (m.xx + m.yy) * inverse_n - axes.squared_rho_m2();
+        return range_variance_m2 * mean_cos2 + bearing_variance_rad2 * positive(mean_tt) + wall_variance_m2;
     }
     void scale(double factor) {
         range_variance_m2 *= factor;
@@ -44,14 +46,25 @@ struct NoiseModel {
 /// The stated noise: of the parameters, or of the scan where they leave it open, 1 cm where neither says.
 NoiseModel stated_noise(const ExtractionParameters& parameters, double scan_sigma_range_m);
 
-/// By how much the scan's own scatter about lines exceeds the model's variances; 1 if it doesn't clearly. A
-/// stated noise that is too low would break every wall into pieces, and it often is: logs carry default
-/// values, noise grows with range, and walls in simulated worlds may be stairs of grid cells.
+/// By how much a scan's own scatter about lines exceeds the model's variances. A stated noise that is too low
+/// would break every wall into pieces, and it often is: logs carry default values, noise grows with range,
+/// and walls in simulated worlds may be stairs of grid cells.
 ///
-/// Every stretch of about a metre within the `runs` (without gaps) has its least-squares line and the mean
-/// square of its residuals. Corners and clutter raise some of these; noise and rough walls raise them all. So
-/// a low quantile of them is compared with what it would be for the model. `scratch` is working memory.
-double measured_noise_factor(const ScanPoints& points, const std::vector<Interval>& runs,
-                             const NoiseModel& noise, std::vector<double>& scratch);
+/// Every stretch of about a metre within runs without gaps has its least-squares line and the mean square of
+/// its residuals. Corners and clutter raise some of these; noise and rough walls raise them all. So a low
+/// quantile of them is compared with what it would be for the model.
+class NoiseMeter {
+ public:
+    static constexpr std::size_t min_points = 8;  ///< of a stretch
+
+    /// 1 if the noise doesn't clearly exceed the model. Keeps working memory.
+    double factor(const ScanPoints& points, const std::vector<Interval>& runs, const NoiseModel& noise);
+
+ private:
+    void tabulate_quantiles(std::size_t points);
+
+    std::vector<double> quantiles_;  ///< index n: of the mean square of n unit residuals about their line
+    std::vector<double> ratios_;     ///< of the stretches
+};
 
 }  // namespace loopline::lines

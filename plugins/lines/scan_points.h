@@ -2,6 +2,7 @@
 /// of neighbours then costs the same, however long it is.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -17,15 +18,15 @@ struct Interval {
     std::size_t size() const { return end - begin; }
 };
 
-/// Sums over a set of points: count, coordinates, their products, and 1/range^2.
+/// Sums over a set of points: count, coordinates, their products, and cosine and sine of twice the bearing.
 struct Moments {
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, inverse_rr = 0;
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, cos2 = 0, sin2 = 0;
 
     Moments operator-(const Moments& o) const {
-        return {n - o.n, x - o.x, y - o.y, xx - o.xx, xy - o.xy, yy - o.yy, inverse_rr - o.inverse_rr};
+        return {n - o.n, x - o.x, y - o.y, xx - o.xx, xy - o.xy, yy - o.yy, cos2 - o.cos2, sin2 - o.sin2};
     }
     Moments operator+(const Moments& o) const {
-        return {n + o.n, x + o.x, y + o.y, xx + o.xx, xy + o.xy, yy + o.yy, inverse_rr + o.inverse_rr};
+        return {n + o.n, x + o.x, y + o.y, xx + o.xx, xy + o.xy, yy + o.yy, cos2 + o.cos2, sin2 + o.sin2};
     }
 };
 
@@ -33,9 +34,9 @@ struct Moments {
 /// what is found does not depend on how the sensor is turned.
 struct ScanPoint {
     double x_m = 0, y_m = 0;
-    double cos_bearing = 1, sin_bearing = 0;  ///< the beam's direction
-    double range_m = 0;
     std::size_t beam = 0;
+
+    double squared_range_m2() const { return x_m * x_m + y_m * y_m; }
 };
 
 class ScanPoints {
@@ -44,13 +45,27 @@ class ScanPoints {
     /// stays.
     void load(const PlanarScan& scan);
 
-    std::size_t size() const { return points_.size(); }
-    const ScanPoint& operator[](std::size_t i) const { return points_[i]; }
-    Moments moments(const Interval& run) const { return sums_[run.end] - sums_[run.begin]; }
+    std::size_t size() const { return size_; }
+    ScanPoint operator[](std::size_t i) const { return {x_m_[i], y_m_[i], beam_[i]}; }
     double squared_distance_m2(std::size_t i, std::size_t j) const {
-        const double dx = points_[j].x_m - points_[i].x_m, dy = points_[j].y_m - points_[i].y_m;
+        const double dx = x_m_[j] - x_m_[i], dy = y_m_[j] - y_m_[i];
         return dx * dx + dy * dy;
     }
+    Moments moments(const Interval& run) const {
+        Moments sums = sums_[run.end] - sums_[run.begin];
+        sums.n = static_cast<double>(run.size());
+        return sums;
+    }
+    /// Moments of the points before i, without their count.
+    const Moments& sums_before(std::size_t i) const { return sums_[i]; }
+
+    /// inverse()[n] = 1 / n for n from 1 to size().
+    const double* inverse() const { return inverse_.data(); }
+
+    /// All points' coordinates and ranges; a vector that begins at the last of them may be read.
+    const double* x_m() const { return x_m_.data(); }
+    const double* y_m() const { return y_m_.data(); }
+    const double* range_m() const { return range_m_.data(); }
 
     double angle_step_rad() const { return angle_step_rad_; }
     double sin_angle_step() const { return sin_angle_step_; }
@@ -61,11 +76,18 @@ class ScanPoints {
     bool full_circle() const { return full_circle_; }
 
  private:
-    void tabulate_directions(std::size_t beams, double angle_step_rad);
+    void prepare(std::size_t beams, double angle_step_rad);
 
-    std::vector<ScanPoint> points_;
-    std::vector<Moments> sums_;  ///< of the points before index i
-    std::vector<double> cos_, sin_;
+    std::size_t size_ = 0;
+    std::vector<double> x_m_, y_m_, range_m_;
+    std::vector<double> inverse_;  ///< 1 / index
+    std::vector<Moments> sums_;    ///< of the points before index i
+    std::vector<std::uint32_t> beam_;
+
+    struct Direction {
+        double cos, sin, cos2, sin2;  ///< of a beam's bearing and of twice that
+    };
+    std::vector<Direction> directions_;
     double angle_step_rad_ = 0, sin_angle_step_ = 0, middle_angle_rad_ = 0;
     double cos_middle_ = 1, sin_middle_ = 0;
     bool full_circle_ = false;

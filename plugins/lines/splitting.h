@@ -22,8 +22,19 @@ struct Piece {
 /// Hu 2012, section 3.2, step 1: runs without a gap wider than `max_gap_m`. Beams that meet a wall at a
 /// grazing angle lie further apart than that without any gap, so up to `max_incidence_rad` their distance on
 /// a wall is allowed, and four sigma of range noise (Borges and Aldon 2004).
-void split_at_gaps(const ScanPoints& points, const ExtractionParameters& parameters, const NoiseModel& noise,
-                   std::vector<Interval>& runs);
+class GapSplitter {
+ public:
+    explicit GapSplitter(const ExtractionParameters& parameters);
+    /// Replaces `runs`. Those too short for a line and for a measurement of the noise are dropped. Keeps
+    /// working memory.
+    void split(const ScanPoints& points, const NoiseModel& noise, std::vector<Interval>& runs);
+
+ private:
+    const ExtractionParameters parameters_;
+    const std::size_t shortest_;
+    std::vector<double> excess_m2_;  ///< of the squared gap before a point over what is allowed
+    std::vector<std::size_t> ends_;
+};
 
 /// The index b in (begin, end) for which two lines, through [begin, b) and [b, end), leave the least squares.
 struct Break {
@@ -46,6 +57,8 @@ class Splitter {
 
  private:
     bool straight_or_small(const ScanPoints& points, const Interval& run, const NoiseModel& noise) const;
+    bool is_arc(const ScanPoints& points, const Interval& run, const Straightness& shape, const Break& corner,
+                const NoiseModel& noise) const;
 
     const ExtractionParameters parameters_;
     std::vector<Interval> stack_;

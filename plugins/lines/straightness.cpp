@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "lines/vectorised.h"
 
 namespace loopline::lines {
 namespace {
@@ -11,77 +14,99 @@ constexpr double bend_sigmas = 3;
 constexpr double max_disorder_factor = 25;   // in variance, over the model
 constexpr double max_disorder_ratio = 0.02;  // rms over length
 constexpr double least_disorder = 0.75;
+constexpr std::size_t most_tabulated = 2048;  // degrees of freedom
 
-double mean_distance_m(const NormalForm& line, const Moments& m) {
-    return (line.nx * m.x + line.ny * m.y) / m.n - line.rho_m;
-}
-
-/// Von Neumann's ratio: half the mean square step from one residual to the next, over their mean square. 1
-/// for noise, 2 for teeth, near 0 for corners, steps and bends.
-double disorder(const ScanPoints& points, const Interval& run, const QuickFit& fit) {
-    double previous = fit.line.distance_m(points[run.begin].x_m, points[run.begin].y_m), steps = 0;
-    for (std::size_t i = run.begin + 1; i < run.end; ++i) {
-        const double d = fit.line.distance_m(points[i].x_m, points[i].y_m);
-        steps += (d - previous) * (d - previous);
-        previous = d;
-    }
-    return steps / (2 * static_cast<double>(run.size() - 1) * fit.across_m2);
-}
-
-}  // namespace
-
-double chi2_per_degree_limit(double degrees_of_freedom) {
+double wilson_hilferty(double degrees_of_freedom) {
     const double v = 2 / (9 * degrees_of_freedom);
     const double root = 1 - v + z_limit * std::sqrt(v);
     return root * root * root;
 }
 
+}  // namespace
+
+double chi2_per_degree_limit(std::size_t degrees_of_freedom) {
+    static const std::vector<double> limits = [] {
+        std::vector<double> values(most_tabulated);
+        for (std::size_t i = 1; i < values.size(); ++i) values[i] = wilson_hilferty(static_cast<double>(i));
+        return values;
+    }();
+    return degrees_of_freedom < limits.size() ? limits[degrees_of_freedom]
+                                              : wilson_hilferty(static_cast<double>(degrees_of_freedom));
+}
+
+namespace {
+
+/// Of the mean square of n residuals of unit variance about their line.
+double straight_limit(std::size_t n) {
+    return chi2_per_degree_limit(n - 2) * static_cast<double>(n - 2) / static_cast<double>(n);
+}
+
+/// Von Neumann's ratio: half the mean square step from one residual to the next, over their mean square. 1
+/// for noise, 2 for teeth, near 0 for corners, steps and bends.
+LOOPLINE_VECTORISED double disorder(const ScanPoints& points, const Interval& run, const QuickFit& fit) {
+    const double *const x_m = points.x_m() + run.begin, *const y_m = points.y_m() + run.begin;
+    const double nx = fit.line.nx, ny = fit.line.ny;
+    const std::size_t size = run.size() - 1;
+    double steps = 0;
+#pragma omp simd reduction(+ : steps)
+    for (std::size_t i = 0; i < size; ++i) {
+        const double step_m = nx * (x_m[i + 1] - x_m[i]) + ny * (y_m[i + 1] - y_m[i]);
+        steps += step_m * step_m;
+    }
+    return steps / (2 * static_cast<double>(size) * fit.across_m2);
+}
+
+}  // namespace
+
 Straightness straightness(const ScanPoints& points, const Interval& run, const NoiseModel& noise,
                           double max_bow) {
-    Straightness result;
     const Moments all = points.moments(run);
-    const double n = all.n;
+    Straightness result;
     result.fit = quick_fit(all);
-    double variance_m2 = noise.mean_variance_m2(all, result.fit.line.rho_m);
-    const double length_m = std::sqrt(12 * result.fit.along_m2);
-    const double limit = chi2_per_degree_limit(n - 2) * (n - 2) / n;
-    const double scatter_m2 = result.fit.across_m2;
+    result.variance_m2 = noise.mean_variance_m2(all, result.fit);
+    const double n = all.n, scatter_m2 = result.fit.across_m2;
+    const double squared_length_m2 = 12 * result.fit.along_m2;
+    const double limit = straight_limit(run.size());
+    double variance_m2 = result.variance_m2;
     if (scatter_m2 > limit * variance_m2 && scatter_m2 < max_disorder_factor * variance_m2 &&
-        scatter_m2 < max_disorder_ratio * max_disorder_ratio * length_m * length_m &&
+        scatter_m2 < max_disorder_ratio * max_disorder_ratio * squared_length_m2 &&
         disorder(points, run, result.fit) > least_disorder)
         variance_m2 = scatter_m2;
 
     // A parabola of sagitta s lies (s/4) further out in its middle half than the line, and (s/4) further in
     // at the quarters beside; the mean square of its residuals is (4/45) s^2. The contrast of those means has
     // variance 4/n.
-    if (run.size() >= 4) {
-        const std::size_t quarter = run.size() / 4;
-        const Moments middle = points.moments({run.begin + quarter, run.end - quarter});
-        const Moments outer = all - middle;
-        const double contrast_m =
-            mean_distance_m(result.fit.line, middle) - mean_distance_m(result.fit.line, outer);
-        result.sagitta_m = 2 * contrast_m;
-        result.sigma_sagitta_m = 2 * std::sqrt(variance_m2 * (1 / middle.n + 1 / outer.n));
+    const std::size_t quarter = run.size() / 4;
+    const Moments middle = points.moments({run.begin + quarter, run.end - quarter});
+    const double outer_n = n - middle.n;
+    if (outer_n > 0) {
+        // From the difference of the means, (middle / n_middle - outer / n_outer).
+        const double inverse = 1 / (middle.n * outer_n);
+        const double dx_m = (middle.x * n - all.x * middle.n) * inverse;
+        const double dy_m = (middle.y * n - all.y * middle.n) * inverse;
+        result.sagitta_m = 2 * (result.fit.line.nx * dx_m + result.fit.line.ny * dy_m);
+        result.sigma_sagitta_m = 2 * std::sqrt(variance_m2 * n * inverse);
     }
-    const double bow_m = max_bow * length_m;
+    const double bow_m = max_bow * std::sqrt(squared_length_m2);
     const double parabola_m2 = 4.0 / 45.0;
     const bool bent = std::abs(result.sagitta_m) > bow_m + bend_sigmas * result.sigma_sagitta_m;
-    if (!bent && result.fit.across_m2 <= limit * variance_m2 + parabola_m2 * bow_m * bow_m) {
-        result.shape = Shape::straight;
-    } else if (bent) {
-        result.shape = Shape::bent;
-    }
+    const bool scattered = scatter_m2 > limit * variance_m2 + parabola_m2 * bow_m * bow_m;
+    result.shape = bent ? Shape::bent : scattered ? Shape::broken : Shape::straight;
     return result;
 }
 
-double squares_left_by_parabola_m2(const ScanPoints& points, const Interval& run, const NormalForm& line) {
+LOOPLINE_VECTORISED double squares_left_by_parabola_m2(const ScanPoints& points, const Interval& run,
+                                                       const NormalForm& line_of_run) {
+    const NormalForm line = line_of_run;
+    const double *const x_m = points.x_m(), *const y_m = points.y_m();
     // Polynomials 1, t, t^2 made orthogonal over the points, with t from about their middle.
-    const double centre_t = line.along_m(0.5 * (points[run.begin].x_m + points[run.end - 1].x_m),
-                                         0.5 * (points[run.begin].y_m + points[run.end - 1].y_m));
+    const double centre_t =
+        line.along_m(0.5 * (x_m[run.begin] + x_m[run.end - 1]), 0.5 * (y_m[run.begin] + y_m[run.end - 1]));
     double t1 = 0, t2 = 0, t3 = 0, t4 = 0, d0 = 0, d1 = 0, d2 = 0, dd = 0;
+#pragma omp simd reduction(+ : t1, t2, t3, t4, d0, d1, d2, dd)
     for (std::size_t i = run.begin; i < run.end; ++i) {
-        const double t = line.along_m(points[i].x_m, points[i].y_m) - centre_t, tt = t * t;
-        const double d = line.distance_m(points[i].x_m, points[i].y_m);
+        const double t = line.along_m(x_m[i], y_m[i]) - centre_t, tt = t * t;
+        const double d = line.distance_m(x_m[i], y_m[i]);
         t1 += t;
         t2 += tt;
         t3 += tt * t;

@@ -1,15 +1,14 @@
 /// Is a run of points a straight wall, a bent one, or neither? Decided from running sums alone.
 #pragma once
 
-#include <vector>
-
-#include "lines/line_fit.h"
+#include "lines/noise_model.h"
+#include "lines/quick_fit.h"
 
 namespace loopline::lines {
 
 /// Factor by which the mean square of `degrees_of_freedom` unit normal residuals stays below in all but 0.1 %
 /// of cases. Wilson and Hilferty 1931.
-double chi2_per_degree_limit(double degrees_of_freedom);
+double chi2_per_degree_limit(std::size_t degrees_of_freedom);
 
 enum class Shape {
     straight,
@@ -20,6 +19,7 @@ enum class Shape {
 struct Straightness {
     Shape shape = Shape::broken;
     QuickFit fit;
+    double variance_m2 = 0;  ///< of the points across the line, as the noise model has it
     double sagitta_m =
         0;  ///< of the bend; positive where the middle lies beyond the line, seen from the sensor
     double sigma_sagitta_m = 0;  ///< from noise

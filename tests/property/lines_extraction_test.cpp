@@ -412,7 +412,7 @@ TEST(LineExtraction, breaks_are_those_of_the_optimal_segmentation) {
                     const Moments m = points.moments({begin, end});
                     const QuickFit fit = quick_fit(m);
                     const double value =
-                        best[begin] + price + m.n * fit.across_m2 / noise.mean_variance_m2(m, fit.line.rho_m);
+                        best[begin] + price + m.n * fit.across_m2 / noise.mean_variance_m2(m, fit);
                     if (value < best[end]) {
                         best[end] = value;
                         from[end] = begin;

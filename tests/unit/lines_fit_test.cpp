@@ -25,15 +25,24 @@ PlanarScan wall_scan(double rho_m, double alpha_rad, double half_rad, std::size_
 
 const NoiseModel one_centimetre{1e-4, 0, 0};
 
-/// The objective that likely_fit minimises, with weights that follow the line.
+/// The objective that a fit minimises, with weights that follow the line.
 double chi2_of(const ScanPoints& points, double rho_m, double alpha_rad) {
     double sum = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const double bearing = std::atan2(points[i].sin_bearing, points[i].cos_bearing);
+        const double bearing = std::atan2(points[i].y_m, points[i].x_m);
         const double expected_m = rho_m / std::cos(bearing - alpha_rad);
-        sum += std::pow((points[i].range_m - expected_m) / 0.01, 2);
+        sum += std::pow((std::hypot(points[i].x_m, points[i].y_m) - expected_m) / 0.01, 2);
     }
     return sum;
+}
+
+LikelyFit likely_fit(const ScanPoints& points, const std::vector<Interval>& runs, const NormalForm& start,
+                     double variance_factor, const NoiseModel& noise = one_centimetre) {
+    LineFitter fitter;
+    fitter.add_line(start, variance_factor);
+    for (const Interval& run : runs) fitter.add_run(run);
+    fitter.fit(points, noise);
+    return fitter[0];
 }
 
 }  // namespace
@@ -50,8 +59,7 @@ TEST(QuickFit, is_the_total_least_squares_line_of_brute_force) {
             points.emplace_back(t * std::cos(direction) - d * std::sin(direction),
                                 t * std::sin(direction) + d * std::cos(direction));
             const auto& p = points.back();
-            m = m +
-                Moments{1, p.x(), p.y(), p.x() * p.x(), p.x() * p.y(), p.y() * p.y(), 1 / p.squaredNorm()};
+            m = m + Moments{1, p.x(), p.y(), p.x() * p.x(), p.x() * p.y(), p.y() * p.y(), 0, 0};
         }
         const QuickFit fit = quick_fit(m);
         ASSERT_NEAR(std::hypot(fit.line.nx, fit.line.ny), 1, 1e-12);
@@ -80,8 +88,7 @@ TEST(LikelyFit, is_exact_without_noise) {
         points.load(wall_scan(rho_m, alpha_rad, half(random), 30));
         const QuickFit start = quick_fit(points.moments({0, 30}));
         // Ranges are single precision: what they say is exact to 6e-8 of a range.
-        const LikelyFit fit =
-            likely_fit(points, {0, 30}, std::vector<int>(30, 0), 0, start.line, one_centimetre, 1);
+        const LikelyFit fit = likely_fit(points, {{0, 30}}, start.line, 1);
         ASSERT_TRUE(fit.valid);
         EXPECT_EQ(fit.count, 30u);
         EXPECT_NEAR(fit.line.rho_m, rho_m, 1e-7 * rho_m);
@@ -98,8 +105,7 @@ TEST(LikelyFit, finds_the_minimum_of_an_exhaustive_search) {
         for (float& r : scan.ranges_m) r += static_cast<float>(std::clamp(noise(random), -0.024, 0.024));
         ScanPoints points;
         points.load(scan);
-        const LikelyFit fit = likely_fit(points, {0, 41}, std::vector<int>(41, 0), 0,
-                                         quick_fit(points.moments({0, 41})).line, one_centimetre, 4);
+        const LikelyFit fit = likely_fit(points, {{0, 41}}, quick_fit(points.moments({0, 41})).line, 4);
         ASSERT_EQ(fit.count, 41u);
         double rho_m = fit.line.rho_m, alpha_rad = std::atan2(fit.line.ny, fit.line.nx);
         EXPECT_NEAR(fit.chi2, chi2_of(points, rho_m, alpha_rad), 1e-3 * fit.chi2);
@@ -131,13 +137,57 @@ TEST(LikelyFit, stray_beams_and_hanging_ends_do_not_move_it) {
     scan.ranges_m[60] -= 0.1f;                                  // mixed pixel
     ScanPoints points;
     points.load(scan);
-    const LikelyFit fit = likely_fit(points, {0, 61}, std::vector<int>(61, 0), 0,
-                                     quick_fit(points.moments({0, 61})).line, one_centimetre, 1);
+    const LikelyFit fit = likely_fit(points, {{0, 61}}, quick_fit(points.moments({0, 61})).line, 1);
     ASSERT_TRUE(fit.valid);
     EXPECT_NEAR(fit.line.rho_m, 3, 1e-5);
     EXPECT_EQ(fit.count, 55u);
     EXPECT_EQ(fit.first, 3u);
     EXPECT_EQ(fit.last, 59u);
+}
+
+TEST(LikelyFit, outermost_beams_count_by_how_much_of_them_may_meet_the_wall) {
+    // A wall x = 2 in the sensor's frame, seen at 29 to 74 degrees of incidence; a hole from beam 18 to 21.
+    const double rho_m = 2, half_width_rad = 0.005;
+    PlanarScan scan;
+    scan.first_angle_rad = 0.5;
+    scan.angle_step_rad = 0.02;
+    for (std::size_t i = 0; i < 41; ++i)
+        scan.ranges_m.push_back(static_cast<float>(rho_m / std::cos(scan.angle_rad(i))));
+    NoiseModel noise = one_centimetre;
+    noise.edge_variance_rad2 = half_width_rad * half_width_rad;
+    ScanPoints points;
+    points.load(scan);
+    const NormalForm start = quick_fit(points.moments({0, 41})).line;
+    const LikelyFit fit = likely_fit(points, {{0, 18}, {22, 41}}, start, 1, noise);
+    ASSERT_TRUE(fit.valid);
+
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+    for (std::size_t i = 0; i < 41; ++i) {
+        if (i >= 18 && i < 22) continue;
+        const double phi = scan.angle_rad(i), t_m = rho_m * std::tan(phi), range_m = rho_m / std::cos(phi);
+        const bool at_edge = i == 0 || i == 17 || i == 22 || i == 40;
+        const double variance_m2 = std::pow(0.01 * std::cos(phi), 2) +
+                                   (at_edge ? std::pow(half_width_rad * range_m * std::sin(phi), 2) : 0);
+        const Eigen::Vector2d jacobian(-1, t_m);
+        information += jacobian * jacobian.transpose() / variance_m2;
+    }
+    EXPECT_LT((fit.covariance * information - Eigen::Matrix2d::Identity()).norm(), 1e-3);
+
+    // Runs that touch are one: no edge between them.
+    const LikelyFit whole = likely_fit(points, {{0, 41}}, start, 1, noise);
+    EXPECT_EQ(likely_fit(points, {{0, 20}, {20, 41}}, start, 1, noise).covariance, whole.covariance);
+
+    // The last beam meets the wall with its nearer half only: too near, though not out of the gate.
+    scan.ranges_m[40] -= 0.025f;
+    points.load(scan);
+    const auto off_rad = [&](const LikelyFit& f) {
+        return std::abs(
+            std::remainder(std::atan2(f.line.ny, f.line.nx) + points.middle_angle_rad(), 2 * M_PI));
+    };
+    const double off_with_rad = off_rad(likely_fit(points, {{0, 41}}, start, 1, noise)),
+                 off_without_rad = off_rad(likely_fit(points, {{0, 41}}, start, 1));
+    EXPECT_GT(off_without_rad, 1e-4);
+    EXPECT_LT(off_with_rad, 0.1 * off_without_rad);
 }
 
 TEST(LikelyFit, says_no_where_there_is_no_line) {
@@ -146,8 +196,8 @@ TEST(LikelyFit, says_no_where_there_is_no_line) {
     one_spot.angle_step_rad = 1e-18;  // all beams alike
     one_spot.ranges_m.assign(5, 3);
     points.load(one_spot);
-    EXPECT_FALSE(likely_fit(points, {0, 5}, std::vector<int>(5, 0), 0, {}, one_centimetre, 1).valid);
-    EXPECT_FALSE(likely_fit(points, {0, 5}, std::vector<int>(5, 1), 0, {}, one_centimetre, 1).valid);
+    EXPECT_FALSE(likely_fit(points, {{0, 5}}, {}, 1).valid);
+    EXPECT_FALSE(likely_fit(points, {}, {}, 1).valid);
 }
 
 TEST(Chi2Limit, agrees_with_tables) {
