@@ -90,7 +90,7 @@ void AngleThreshold::find_corners(const Interval& block) {
 
 void AngleThreshold::split(const Interval& block) {
     const Straightness whole = straightness(points_, block, noise_, parameters_.max_bow);
-    if (whole.shape == Shape::straight) {
+    if (whole.shape == Shape::straight && !hides_a_step(points_, block, whole, noise_)) {
         pieces_.push_back({block, whole, false, {}});
         return;
     }

@@ -22,6 +22,7 @@ struct NoiseModel {
     double bearing_variance_rad2 = 0;
     double wall_variance_m2 = 0;
     double edge_variance_rad2 = 0;  ///< (w / 2)^2
+    double factor = 1;              ///< of all of them, over what is stated
 
     double variance_m2(double cos2_incidence, double t_m) const {
         return range_variance_m2 * cos2_incidence + bearing_variance_rad2 * t_m * t_m + wall_variance_m2;
@@ -35,11 +36,12 @@ struct NoiseModel {
         const double mean_tt = (m.xx + m.yy) * inverse_n - axes.squared_rho_m2();
         return range_variance_m2 * mean_cos2 + bearing_variance_rad2 * positive(mean_tt) + wall_variance_m2;
     }
-    void scale(double factor) {
-        range_variance_m2 *= factor;
-        bearing_variance_rad2 *= factor;
-        wall_variance_m2 *= factor;
-        edge_variance_rad2 *= factor;
+    void scale(double by) {
+        range_variance_m2 *= by;
+        bearing_variance_rad2 *= by;
+        wall_variance_m2 *= by;
+        edge_variance_rad2 *= by;
+        factor *= by;
     }
 };
 

@@ -9,6 +9,7 @@ namespace loopline::lines {
 namespace {
 
 constexpr std::size_t coarse_breaks = 16;
+constexpr double left_by_a_step = 0.25;  // of the mean square, at most
 
 /// Sum of squared distances from the least-squares line.
 inline double squares_m2(const Moments& m, double inverse_n) {
@@ -97,6 +98,15 @@ LOOPLINE_VECTORISED Break best_break(const ScanPoints& points, const Interval& r
     }
 }
 
+bool hides_a_step(const ScanPoints& points, const Interval& run, const Straightness& shape,
+                  const NoiseModel& noise) {
+    const double n = static_cast<double>(run.size()), mean_square_m2 = shape.fit.across_m2;
+    if (run.size() < 6 ||
+        mean_square_m2 * noise.factor < chi2_per_degree_limit(run.size() - 2) * shape.variance_m2)
+        return false;
+    return best_break(points, run).squares_m2 / (n - 4) < left_by_a_step * mean_square_m2 * n / (n - 2);
+}
+
 bool Splitter::large_enough(const ScanPoints& points, const Interval& run) const {
     return run.size() >= static_cast<std::size_t>(parameters_.min_beams) &&
            points.squared_distance_m2(run.begin, run.end - 1) >=
@@ -134,7 +144,7 @@ void Splitter::split(const ScanPoints& points, const Interval& run, const NoiseM
         // them.
         if (part.size() < static_cast<std::size_t>(parameters_.min_beams)) continue;
         const Straightness shape = straightness(points, part, noise, parameters_.max_bow);
-        if (shape.shape == Shape::straight) {
+        if (shape.shape == Shape::straight && !hides_a_step(points, part, shape, noise)) {
             if (large_enough(points, part)) pieces.push_back({part, shape, false, {}});
             continue;
         }

@@ -43,6 +43,11 @@ struct Break {
 };
 Break best_break(const ScanPoints& points, const Interval& run);
 
+/// Where few walls are in view, one recess in them may pass for noise in most of the scan, and a slanting
+/// line through both its sides for straight. Told by what two lines leave of the residuals.
+bool hides_a_step(const ScanPoints& points, const Interval& run, const Straightness& shape,
+                  const NoiseModel& noise);
+
 /// Splits runs without gaps at best breaks until every piece is straight or one bend.
 class Splitter {
  public:
