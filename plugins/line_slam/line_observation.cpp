@@ -1,5 +1,7 @@
 #include "line_slam/line_observation.h"
 
+#include <cmath>
+
 namespace loopline::line_slam {
 
 PlanarLine predicted_line(const Pose2& T_map_base, const PlanarLine& line_map) {
@@ -8,8 +10,8 @@ PlanarLine predicted_line(const Pose2& T_map_base, const PlanarLine& line_map) {
 }
 
 Eigen::Vector2d innovation(const PlanarLine& observed_base, const PlanarLine& predicted_base) {
-    return {observed_base.rho_m - predicted_base.rho_m,
-            wrap_to_pi(observed_base.alpha_rad - predicted_base.alpha_rad)};
+    const double turn_rad = wrap_to_pi(observed_base.alpha_rad - predicted_base.alpha_rad);
+    return {observed_base.rho_m * std::cos(turn_rad) - predicted_base.rho_m, turn_rad};
 }
 
 ObservationJacobians observation_jacobians(const Pose2& T_map_base, const PlanarLine& line_map,

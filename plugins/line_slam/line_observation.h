@@ -20,7 +20,10 @@ using Matrix23 = Eigen::Matrix<double, 2, 3>;
 /// h(x) of (pose, map line): (rho, alpha) in the base frame.
 PlanarLine predicted_line(const Pose2& T_map_base, const PlanarLine& line_map);
 
-/// Observed minus predicted, the angle wrapped to (-pi, pi].
+/// Observed minus predicted, the angle wrapped to (-pi, pi]; the distance is that of the observed foot point
+/// along the predicted normal. A scan knows where the seen stretch of a wall is better than how it is turned:
+/// with its direction off by d, the distance of its line from here is R cos(d) for a stretch straight ahead
+/// at R, and too small on the average of many scans, while the seen stretch is where it should be.
 Eigen::Vector2d innovation(const PlanarLine& observed_base, const PlanarLine& predicted_base);
 
 struct ObservationJacobians {

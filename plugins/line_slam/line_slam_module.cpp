@@ -255,8 +255,11 @@ std::vector<LineObservation> LineSlam::observations_in_base(const CObservationLi
 /// As the wheels measured it since the scan before.
 SweepMotion LineSlam::sweep_motion() const {
     if (scan_duration_s_ == 0 || !(since_previous_s_ > 0)) return {};
-    return {log_se2(T_previous_base_) * (1 / since_previous_s_),
-            interval_->noise_on(T_previous_base_, interval_->regime()) / since_previous_s_};
+    const ScanPlace &latest = places_.back(), &previous = places_[places_.size() - 2];
+    const Pose2 T_previous_base =
+        previous.is_step ? latest.T_step_base : previous.T_step_base.inverse() * latest.T_step_base;
+    return {log_se2(T_previous_base) * (1 / since_previous_s_),
+            interval_->noise_on(T_previous_base, interval_->regime()) / since_previous_s_};
 }
 
 ScanMotion LineSlam::motion_until(const Scan& scan) const {
@@ -273,13 +276,13 @@ ScanMotion LineSlam::motion_until(const Scan& scan) const {
 
 void LineSlam::estimate(Scan&& scan, Publisher& publisher) {
     if (!scan.T_odom_base) ++without_odometry_;
-    const Pose2 T_odom_previous = T_odom_base_;
     T_odom_base_ = scan.T_odom_base.value_or(T_odom_base_);
-    T_previous_base_ = T_odom_previous.inverse() * T_odom_base_;
     const ScanMotion motion = motion_until(scan);
     since_previous_s_ = motion.duration_s;
     const bool due = interval_->add(motion);
-    places_.push_back({scan.sequence, scan.stamp_ns, interval_->T_step_base(), interval_->regime(), false});
+    places_.push_back({scan.sequence, scan.stamp_ns,
+                       interval_->T_step_base_predicted(slam_->filter().calibration()), interval_->regime(),
+                       false});
     if (due)
         step(scan, publisher);
     else

@@ -58,7 +58,7 @@ class LineSlam : public Module {
     struct ScanPlace {
         std::uint64_t sequence;
         StampNs stamp_ns;
-        Pose2 T_step_base;  ///< by the wheels, since the last step before it
+        Pose2 T_step_base;  ///< since the last step before it, as the filter would predict it
         line_slam::Regime regime;
         bool is_step = false;
     };
@@ -98,7 +98,6 @@ class LineSlam : public Module {
     std::uint64_t newest_lines_ = 0;  ///< highest sequence that brought lines
     std::optional<Scan> since_step_;  ///< the latest scan that was no step
     Pose2 T_odom_base_;               ///< at the latest scan
-    Pose2 T_previous_base_;           ///< from the scan before to the latest, by the wheels
     double since_previous_s_ = 0;
     std::optional<Command> commanded_;
     std::vector<ScanPlace> places_;

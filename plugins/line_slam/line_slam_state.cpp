@@ -6,7 +6,7 @@
 
 namespace loopline {
 namespace {
-constexpr std::uint32_t form_version = 2;
+constexpr std::uint32_t form_version = 3;
 }
 
 namespace line_slam {
@@ -128,7 +128,7 @@ void fields(Archive& archive, LineSlam& module) {
     archive(since_step);
     if (Archive::reading && since_step) m.since_step_.emplace();
     if (since_step) scan(archive, *m.since_step_);
-    archive(m.T_odom_base_, m.T_previous_base_, m.since_previous_s_);
+    archive(m.T_odom_base_, m.since_previous_s_);
     command(archive, m.commanded_);
     archive.each(m.places_,
                  [](auto& a, auto& p) { a(p.sequence, p.stamp_ns, p.T_step_base, p.regime, p.is_step); });

@@ -56,22 +56,26 @@ bool WideInterval::is_due() const {
     return variance_m2 > parameters_.max_sigma_m * parameters_.max_sigma_m;
 }
 
-MotionPiece WideInterval::piece(Regime regime, WheelTravel travel) const {
+WheelTravel WideInterval::without_slip(Regime regime, WheelTravel rolled) const {
     const RegimeParameters& r = parameters_.regimes[static_cast<std::size_t>(regime)];
-    MotionPiece p;
-    p.covariance = travel_covariance(travel, drive_, r.sigma_left_m, r.sigma_right_m);
-    travel.left_m *= 1 - r.slip_left;
-    travel.right_m *= 1 - r.slip_right;
-    p.travel = travel;
-    return p;
+    rolled.left_m *= 1 - r.slip_left;
+    rolled.right_m *= 1 - r.slip_right;
+    return rolled;
 }
 
-Eigen::Matrix3d WideInterval::noise_on(const Pose2& motion, Regime regime) const {
-    const WheelTravel travel = measured_travel(motion);
+MotionPiece WideInterval::piece(Regime regime, const WheelTravel& rolled) const {
+    const RegimeParameters& r = parameters_.regimes[static_cast<std::size_t>(regime)];
+    return {without_slip(regime, rolled), travel_covariance(rolled, drive_, r.sigma_left_m, r.sigma_right_m)};
+}
+
+Eigen::Matrix3d WideInterval::noise_on(const Pose2& predicted, Regime regime) const {
+    WheelTravel travel = wheel_travel(predicted, drive_.track_width_m);
     const RegimeParameters& r = parameters_.regimes[static_cast<std::size_t>(regime)];
     DriveParameters moving = drive_;
     moving.sigma_rest_m = 0;
     const Eigen::Matrix3d J = motion_jacobians(travel, drive_.track_width_m).travel;
+    travel.left_m /= 1 - r.slip_left;
+    travel.right_m /= 1 - r.slip_right;
     return J * travel_covariance(travel, moving, r.sigma_left_m, r.sigma_right_m) * J.transpose();
 }
 
@@ -83,32 +87,45 @@ WheelTravel WideInterval::measured_travel(const Pose2& T_old_new) const {
     return wheel_travel(T_old_new, drive_.odometry_width_m());
 }
 
-std::vector<MotionPiece> WideInterval::pieces() const {
+template <class Take>
+void WideInterval::each_piece(const Take& take) const {
+    const bool measured = parameters_.control == IntervalParameters::Control::measured;
     if (!parameters_.re_prediction) {
         // Eq. (3) over the whole interval, by the speeds when it began.
-        const bool measured = parameters_.control == IntervalParameters::Control::measured;
         const WheelSpeed& speed = measured ? speed_at_step_ : commanded(regime_at_step_);
-        return {piece(regime_at_step_, travel_at(speed, duration_s_))};
+        take(DrivePiece{regime_at_step_, travel_at(speed, duration_s_), duration_s_});
+        return;
     }
-    std::vector<MotionPiece> pieces;
-    for (const DrivePiece& p : drive_pieces()) pieces.push_back(piece(p.regime, p.rolled));
-    return pieces;
-}
-
-std::vector<DrivePiece> WideInterval::drive_pieces() const {
-    std::vector<DrivePiece> pieces;
     for (std::size_t k = 0; k < stretches_.size(); ++k) {
         const Stretch& s = stretches_[k];
         const bool last = k + 1 == stretches_.size();
         const Pose2& T_step_to = last ? T_step_base_ : stretches_[k + 1].T_step_from;
-        DrivePiece p;
-        p.regime = s.regime;
-        p.duration_s = (last ? duration_s_ : stretches_[k + 1].from_s) - s.from_s;
-        p.rolled = parameters_.control == IntervalParameters::Control::measured
-                       ? measured_travel(s.T_step_from.inverse() * T_step_to)
-                       : travel_at(commanded(s.regime), p.duration_s);
-        pieces.push_back(p);
+        const double duration_s = (last ? duration_s_ : stretches_[k + 1].from_s) - s.from_s;
+        take(DrivePiece{s.regime,
+                        measured ? measured_travel(s.T_step_from.inverse() * T_step_to)
+                                 : travel_at(commanded(s.regime), duration_s),
+                        duration_s});
     }
+}
+
+std::vector<MotionPiece> WideInterval::pieces() const {
+    std::vector<MotionPiece> pieces;
+    each_piece([&](const DrivePiece& p) { pieces.push_back(piece(p.regime, p.rolled)); });
+    return pieces;
+}
+
+Pose2 WideInterval::T_step_base_predicted(const WheelCalibration& calibration) const {
+    Pose2 T_step_base;
+    each_piece([&](const DrivePiece& p) {
+        T_step_base =
+            T_step_base * moved(without_slip(p.regime, p.rolled), drive_.track_width_m, calibration);
+    });
+    return T_step_base;
+}
+
+std::vector<DrivePiece> WideInterval::drive_pieces() const {
+    std::vector<DrivePiece> pieces;
+    each_piece([&](const DrivePiece& p) { pieces.push_back(p); });
     return pieces;
 }
 

@@ -56,10 +56,13 @@ class WideInterval {
     /// there were regimes, eq. (7)-(10).
     std::vector<MotionPiece> pieces() const;
 
+    /// The same as a pose: the vehicle at the latest scan, in its frame at the last step.
+    Pose2 T_step_base_predicted(const WheelCalibration& calibration) const;
+
     Regime regime() const { return regime_; }
-    /// Covariance of (x, y, phi) that the wheels' noise adds on the way `motion`, without that of a vehicle
-    /// at rest.
-    Eigen::Matrix3d noise_on(const Pose2& motion, Regime regime) const;
+    /// Covariance of (x, y, phi) that the wheels' noise adds on the way `predicted`, without that of a
+    /// vehicle at rest.
+    Eigen::Matrix3d noise_on(const Pose2& predicted, Regime regime) const;
 
     /// What the control was from the last step to the latest scan, split at every change of the regime.
     std::vector<DrivePiece> drive_pieces() const;
@@ -85,7 +88,11 @@ class WideInterval {
     };
     void begin_stretch(Regime before, const ScanMotion& motion);
     bool is_due() const;
-    MotionPiece piece(Regime regime, WheelTravel travel) const;
+    /// Calls `take` with each drive piece.
+    template <class Take>
+    void each_piece(const Take& take) const;
+    WheelTravel without_slip(Regime regime, WheelTravel rolled) const;
+    MotionPiece piece(Regime regime, const WheelTravel& rolled) const;
     const WheelSpeed& commanded(Regime regime) const;
     WheelTravel measured_travel(const Pose2& T_old_new) const;
 

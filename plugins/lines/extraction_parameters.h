@@ -14,7 +14,6 @@ struct ExtractionParameters {
     double sigma_range_m = 0;      ///< along the beam; 0: what the scan states
     double sigma_bearing_rad = 0;  ///< of the beams' directions
     double sigma_wall_m = 0.005;   ///< unevenness of walls, normal to them
-    double beam_width_rad = 0.5 * M_PI / 180;
 
     // Where a block of beams ends.
     double max_gap_m = 0.3;

@@ -44,7 +44,7 @@ LineSegment segment_of(const ScanPoints& points, const LikelyFit& fit, std::size
     segment.end_m = line.rho_m * normal + along_m(line, points[last]) * tangent;
     segment.first_beam = points[first].beam;
     segment.last_beam = points[last].beam;
-    segment.beam_count = fit.count;
+    segment.beam_count = fit.count + fit.ends;
     segment.rms_m = fit.rms_m;
     return segment;
 }
@@ -113,7 +113,7 @@ bool LineAssembler::refit(const ScanPoints& points, const NoiseModel& noise, con
 
 bool LineAssembler::acceptable(const ScanPoints& points, const ExtractionParameters& parameters,
                                const LineCandidate& c) const {
-    return c.fit.count >= static_cast<std::size_t>(parameters.min_beams) &&
+    return c.fit.count + c.fit.ends >= static_cast<std::size_t>(parameters.min_beams) &&
            c.length_m(points) >= parameters.min_length_m &&
            c.fit.covariance(1, 1) <= parameters.max_sigma_alpha_rad * parameters.max_sigma_alpha_rad;
 }

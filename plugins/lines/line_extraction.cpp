@@ -38,8 +38,6 @@ ParameterTable LineExtraction::parameters() {
         .angle("sigma_bearing_deg", e.sigma_bearing_rad, {0, 5}, "Standard deviation of a beam's direction.")
         .real("sigma_wall_m", e.sigma_wall_m, {0, 1},
               "Unevenness of walls: standard deviation normal to them.")
-        .angle("beam_width_deg", e.beam_width_rad, {0, 10},
-               "Divergence of a beam: where a wall ends, a beam may measure a part of it only.")
         .real("max_gap_m", e.max_gap_m, {0.01, 100},
               "Neighbouring returns further apart than this are on different walls, unless they lie on one "
               "seen at a "

@@ -15,6 +15,7 @@ constexpr int max_steps = 8;
 // hundredth of it.
 constexpr double settled_sigmas = 0.3;
 constexpr double singular = 1e-12;
+constexpr std::size_t least_with_ends = 5;  // points of a run that can do without its ends
 /// The stated noise counts as much as this many residuals, so that short lines are not judged by a handful of
 /// them.
 constexpr double prior_degrees_of_freedom = 30;
@@ -74,7 +75,7 @@ void LineFitter::add_run(const Interval& run) {
     ++line.end_run;
 }
 
-void LineFitter::prepare(const ScanPoints& points, const NoiseModel& noise) {
+void LineFitter::prepare(const ScanPoints& points) {
     std::size_t slot = 0;
     for (Line& line : lines_) {
         line.first_slot = slot;
@@ -84,14 +85,6 @@ void LineFitter::prepare(const ScanPoints& points, const NoiseModel& noise) {
     if (weights_.size() < slot) {
         weights_.resize(slot);
         residuals_m_.resize(slot);
-    }
-    edge_variances_rad2_.assign(slot, 0);
-    for (const Line& line : lines_) {
-        double* edge = edge_variances_rad2_.data() + line.first_slot;
-        for (std::size_t k = line.first_run; k < line.end_run; edge += slots(runs_[k].size()), ++k) {
-            if (runs_[k].begins_at_edge) edge[0] = noise.edge_variance_rad2;
-            if (runs_[k].ends_at_edge) edge[runs_[k].size() - 1] = noise.edge_variance_rad2;
-        }
     }
     if (ones_.size() < points.size() + vector_points) {
         ones_.assign(points.size(), 1);
@@ -103,9 +96,10 @@ void LineFitter::fit(const ScanPoints& points, const NoiseModel& noise) {
     open_.clear();
     for (Line& line : lines_) {
         cut_hanging_ends(points, noise, line);
+        set_ends_apart(points, noise, line);
         open_.push_back(static_cast<std::size_t>(&line - lines_.data()));
     }
-    prepare(points, noise);
+    prepare(points);
     // Gauss-Newton on (rho, alpha); the weights follow the line.
     for (int steps = 0; steps < max_steps && !open_.empty(); ++steps) {
         for (const std::size_t i : open_) sum_up(points, noise, lines_[i]);
@@ -116,32 +110,47 @@ void LineFitter::fit(const ScanPoints& points, const NoiseModel& noise) {
         }
         open_.resize(still_open);
     }
-    for (Line& line : lines_)
+    for (Line& line : lines_) {
         if (line.fit.valid) describe_residuals(line);
+        if (line.fit.valid) find_ends(points, noise, line);
+    }
 }
 
 /// Cuts points until the two outermost ones at both ends lie on the line.
 void LineFitter::cut_hanging_ends(const ScanPoints& points, const NoiseModel& noise, Line& line) {
     const double gate2 = end_sigmas * end_sigmas * line.variance_factor;
-    const auto on_line = [&](std::size_t i, bool at_edge) {
-        return lies_on(points[i].x_m, points[i].y_m, at_edge ? noise.edge_variance_rad2 : 0, line.fit.line,
-                       noise, gate2);
+    const auto on_line = [&](std::size_t i) {
+        return lies_on(points[i].x_m, points[i].y_m, line.fit.line, noise, gate2);
     };
     while (line.first_run < line.end_run) {
-        Run& run = runs_[line.first_run];
-        if (run.size() > 1 && on_line(run.begin, run.begins_at_edge) &
-                                  on_line(run.begin + 1, run.ends_at_edge & (run.size() == 2)))
-            break;
-        run.begins_at_edge = false;
+        Interval& run = runs_[line.first_run];
+        if (run.size() > 1 && on_line(run.begin) & on_line(run.begin + 1)) break;
         if (++run.begin == run.end) ++line.first_run;
     }
     while (line.first_run < line.end_run) {
-        Run& run = runs_[line.end_run - 1];
-        if (run.size() > 1 && on_line(run.end - 1, run.ends_at_edge) &
-                                  on_line(run.end - 2, run.begins_at_edge & (run.size() == 2)))
-            break;
-        run.ends_at_edge = false;
+        Interval& run = runs_[line.end_run - 1];
+        if (run.size() > 1 && on_line(run.end - 1) & on_line(run.end - 2)) break;
         if (--run.end == run.begin) --line.end_run;
+    }
+}
+
+/// Where a wall ends, a beam may meet what stands beside or before it with all of its width or a part, and
+/// was taken for the wall's by its residual alone: always too near, and with the longest lever. The same
+/// corner does so in scan after scan, and no covariance tells. So the outermost beam of every run, and those
+/// within what noise may hide of it, have no part in the fit.
+void LineFitter::set_ends_apart(const ScanPoints& points, const NoiseModel& noise, Line& line) {
+    if (line.first_run == line.end_run) return;
+    line.first = runs_[line.first_run].begin;
+    line.last = runs_[line.end_run - 1].end - 1;
+    const double reach2_m2 = gate_sigmas * gate_sigmas * line.variance_factor * noise.range_variance_m2;
+    for (std::size_t k = line.first_run; k < line.end_run; ++k) {
+        Interval& run = runs_[k];
+        if (run.size() < least_with_ends) continue;
+        const std::size_t first = run.begin, last = run.end - 1;
+        for (std::size_t left = std::max<std::size_t>(1, run.size() / 8); left > 0; --left) {
+            if (points.squared_distance_m2(first, run.begin) <= reach2_m2) ++run.begin;
+            if (points.squared_distance_m2(last, run.end - 1) <= reach2_m2) --run.end;
+        }
     }
 }
 
@@ -151,10 +160,10 @@ void LineFitter::sum_up(const ScanPoints& points, const NoiseModel& noise, Line&
     for (std::size_t k = line.first_run; k < line.end_run; ++k) {
         const Interval run = runs_[k];
         const double* const counted = ones_.data() + (ones_.size() - vector_points - run.size());
-        const NormalEquations sums = normal_equations(
-            points.x_m() + run.begin, points.y_m() + run.begin, edge_variances_rad2_.data() + slot, counted,
-            slots(run.size()), line.fit.line, noise, gate_sigmas * gate_sigmas * line.variance_factor,
-            weights_.data() + slot, residuals_m_.data() + slot);
+        const NormalEquations sums =
+            normal_equations(points.x_m() + run.begin, points.y_m() + run.begin, counted, slots(run.size()),
+                             line.fit.line, noise, gate_sigmas * gate_sigmas * line.variance_factor,
+                             weights_.data() + slot, residuals_m_.data() + slot);
         line.sums = line.sums + sums;
         slot += slots(run.size());
     }
@@ -195,8 +204,21 @@ void LineFitter::describe_residuals(Line& line) {
                        line.end_slot - line.first_slot);
     fit.autocorrelation = sums.wdd > 0 ? wdd_lagged / sums.wdd : 0;
     fit.covariance *= covariance_factor(fit);
-    fit.first = first_in_fit(line);
-    fit.last = last_in_fit(line);
+}
+
+/// Outermost points on the line: of those in the fit, or of those that were set apart.
+void LineFitter::find_ends(const ScanPoints& points, const NoiseModel& noise, Line& line) const {
+    LikelyFit& fit = line.fit;
+    const std::size_t first = first_in_fit(line), last = last_in_fit(line);
+    const auto on_line = [&](std::size_t i) {
+        return lies_on(points[i].x_m, points[i].y_m, fit.line, noise,
+                       gate_sigmas * gate_sigmas * line.variance_factor);
+    };
+    fit.first = line.first;
+    while (fit.first < first && !on_line(fit.first)) ++fit.first;
+    fit.last = line.last;
+    while (fit.last > last && !on_line(fit.last)) --fit.last;
+    fit.ends = (first - fit.first) + (fit.last - last);
 }
 
 std::size_t LineFitter::first_in_fit(const Line& line) const {

@@ -17,8 +17,7 @@ NoiseModel stated_noise(const ExtractionParameters& parameters, double scan_sigm
     if (!(sigma_range_m > 0)) sigma_range_m = scan_sigma_range_m;
     if (!(sigma_range_m > 0)) sigma_range_m = default_sigma_range_m;
     return {sigma_range_m * sigma_range_m, parameters.sigma_bearing_rad * parameters.sigma_bearing_rad,
-            parameters.sigma_wall_m * parameters.sigma_wall_m,
-            parameters.beam_width_rad * parameters.beam_width_rad / 4};
+            parameters.sigma_wall_m * parameters.sigma_wall_m};
 }
 
 void NoiseMeter::tabulate_quantiles(std::size_t points) {

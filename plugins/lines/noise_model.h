@@ -4,10 +4,6 @@
 /// wall, and unevenness u of the wall moves it by u itself:
 ///
 ///     var(d) = sigma_range^2 cos^2(phi) + sigma_bearing^2 t^2 + sigma_wall^2
-///
-/// Where a wall ends, a beam may meet it with a part of its width w only, and measures the range of that
-/// part: off the line by up to r (w / 2) sin(phi), and always to the same side. So a line's outermost beams
-/// have that as noise too: on a wall that is seen at a grazing angle they count for little.
 #pragma once
 
 #include <vector>
@@ -21,8 +17,7 @@ struct NoiseModel {
     double range_variance_m2 = 0;
     double bearing_variance_rad2 = 0;
     double wall_variance_m2 = 0;
-    double edge_variance_rad2 = 0;  ///< (w / 2)^2
-    double factor = 1;              ///< of all of them, over what is stated
+    double factor = 1;  ///< of all of them, over what is stated
 
     double variance_m2(double cos2_incidence, double t_m) const {
         return range_variance_m2 * cos2_incidence + bearing_variance_rad2 * t_m * t_m + wall_variance_m2;
@@ -40,7 +35,6 @@ struct NoiseModel {
         range_variance_m2 *= by;
         bearing_variance_rad2 *= by;
         wall_variance_m2 *= by;
-        edge_variance_rad2 *= by;
         factor *= by;
     }
 };

@@ -21,25 +21,22 @@ struct Offset {
 
 }  // namespace
 
-bool lies_on(double x_m, double y_m, double edge_variance_rad2, const NormalForm& line,
-             const NoiseModel& noise, double gate2) {
+bool lies_on(double x_m, double y_m, const NormalForm& line, const NoiseModel& noise, double gate2) {
     // Times r^2 (r cos phi)^2, so that it takes no division; no branch, since all of it is true mostly.
     const Offset p(x_m, y_m, line);
     const double across2 = p.across_m * p.across_m, along2 = p.along_m * p.along_m, rr = across2 + along2;
     const double t_variance_m2 = noise.bearing_variance_rad2 * (line.rho_m * line.rho_m);
     const double scaled_variance =
-        (noise.range_variance_m2 * across2 + (noise.wall_variance_m2 + edge_variance_rad2 * along2) * rr) *
-            across2 +
+        (noise.range_variance_m2 * across2 + noise.wall_variance_m2 * rr) * across2 +
         t_variance_m2 * along2 * rr;
     return (p.across_m > 0) & (along2 <= max_tan2_incidence * across2) &
            (p.d_m * p.d_m * across2 * rr <= gate2 * scaled_variance);
 }
 
 LOOPLINE_VECTORISED NormalEquations normal_equations(const double* x_m, const double* y_m,
-                                                     const double* edge_variances_rad2, const double* counted,
-                                                     std::size_t size, const NormalForm line,
-                                                     const NoiseModel noise, double gate2,
-                                                     double* __restrict weights,
+                                                     const double* counted, std::size_t size,
+                                                     const NormalForm line, const NoiseModel noise,
+                                                     double gate2, double* __restrict weights,
                                                      double* __restrict residuals_m) {
     const double t_variance_m2 = noise.bearing_variance_rad2 * (line.rho_m * line.rho_m);
     double w = 0, wt = 0, wtt = 0, wd = 0, wtd = 0, wdd = 0, dd = 0, count = 0;
@@ -51,11 +48,9 @@ LOOPLINE_VECTORISED NormalEquations normal_equations(const double* x_m, const do
         // off by the same noise as d, and would bias alpha.
         const double tan = p.along_m / (p.across_m < least_across_m ? least_across_m : p.across_m);
         const double tan2 = tan * tan, inverse_cos2 = 1 + tan2, t_m = line.rho_m * tan;
-        const double edge_variance_m2 = edge_variances_rad2[i] * (p.along_m * p.along_m);
         const double full_weight =
             inverse_cos2 /
-            (noise.range_variance_m2 +
-             (noise.wall_variance_m2 + edge_variance_m2 + t_variance_m2 * tan2) * inverse_cos2);
+            (noise.range_variance_m2 + (noise.wall_variance_m2 + t_variance_m2 * tan2) * inverse_cos2);
         const double one = counted[i];
         const double within = full_weight * p.d_m * p.d_m <= gate2 ? one : 0;
         const double counts = tan2 <= max_tan2_incidence ? within : 0;

@@ -8,10 +8,8 @@
 
 namespace loopline::lines {
 
-/// d^2 <= gate2 var(d), and the beam says something about the line. `edge_variance_rad2` is that of a beam at
-/// an edge, 0 for others.
-bool lies_on(double x_m, double y_m, double edge_variance_rad2, const NormalForm& line,
-             const NoiseModel& noise, double gate2);
+/// d^2 <= gate2 var(d), and the beam says something about the line.
+bool lies_on(double x_m, double y_m, const NormalForm& line, const NoiseModel& noise, double gate2);
 
 /// Weighted sums of d = delta_rho - t delta_alpha, and what is reported of the residuals.
 struct NormalEquations {
@@ -25,9 +23,9 @@ struct NormalEquations {
 
 /// Of `size` points, a multiple of `vector_points`, of which those take part that are `counted` by 1 and not
 /// by 0 and that lie on the line. Keeps weight and residual of every point, both 0 where it has no part.
-NormalEquations normal_equations(const double* x_m, const double* y_m, const double* edge_variances_rad2,
-                                 const double* counted, std::size_t size, NormalForm line, NoiseModel noise,
-                                 double gate2, double* weights, double* residuals_m);
+NormalEquations normal_equations(const double* x_m, const double* y_m, const double* counted,
+                                 std::size_t size, NormalForm line, NoiseModel noise, double gate2,
+                                 double* weights, double* residuals_m);
 
 /// Sum of w d d' over neighbours d, d'.
 double lagged_squares(const double* weights, const double* residuals_m, std::size_t size);

@@ -24,7 +24,6 @@ constexpr Method all_methods[] = {Method::angle_threshold, Method::split_and_mer
 
 std::unique_ptr<LineExtractor> extractor_of(Method method) {
     ExtractionParameters parameters;
-    parameters.beam_width_rad = 0;  // beams without a width
     parameters.method = method;
     parameters.sigma_wall_m = 0;
     return make_line_extractor(parameters);

@@ -53,7 +53,6 @@ inline Scatter monte_carlo(const View& view, loopline::lines::Method method, int
     const Sweep exact = sweep(world, sensor);
 
     loopline::lines::ExtractionParameters parameters;
-    parameters.beam_width_rad = 0;  // beams without a width
     parameters.method = method;
     parameters.sigma_range_m = view.sigma_range_m;
     parameters.sigma_bearing_rad = view.sigma_bearing_rad;
