@@ -111,7 +111,7 @@ Pose2 seen_from(const CalibrationGraph& graph, int pose) {
 }
 
 Eigen::Vector2d tie_residual(const CalibrationGraph& graph, const CalibrationGraph::Tie& tie) {
-    return innovation(graph.lines[static_cast<std::size_t>(tie.patch)],
+    return difference(graph.lines[static_cast<std::size_t>(tie.patch)],
                       graph.lines[static_cast<std::size_t>(tie.wall)]);
 }
 

@@ -208,7 +208,7 @@ void Ekf::same_wall_innovation(const std::vector<SameWall>& walls, Eigen::Matrix
     for (Eigen::Index k = 0; k < m; k += 2) {
         const SameWall& w = walls[static_cast<std::size_t>(k / 2)];
         PHt.middleCols<2>(k) = P().middleCols<2>(row(w.kept)) - P().middleCols<2>(row(w.gone));
-        v.segment<2>(k) = innovation(line_here(w.gone), line_here(w.kept));
+        v.segment<2>(k) = difference(line_here(w.gone), line_here(w.kept));
     }
     for (Eigen::Index k = 0; k < m; k += 2) {
         const SameWall& w = walls[static_cast<std::size_t>(k / 2)];

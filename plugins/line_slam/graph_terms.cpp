@@ -17,8 +17,10 @@ LineTerm line_term(const Pose2& pose, const PlanarLine& line, const PlanarLine& 
     const Eigen::Vector2d n = line.normal();
     LineTerm t;
     t.residual = -innovation(observed_base, predicted_line(pose, line));
-    t.to_pose << -n.x(), -n.y(), 0, 0, 0, -1;
-    t.to_line << 1, -line.along_m(pose.translation()), 0, 1;
+    // The observed foot point's share along the predicted normal changes as that turns.
+    const double aside_m = observed_base.rho_m * std::sin(t.residual.y());
+    t.to_pose << -n.x(), -n.y(), -aside_m, 0, 0, -1;
+    t.to_line << 1, -line.along_m(pose.translation()) + aside_m, 0, 1;
     return t;
 }
 

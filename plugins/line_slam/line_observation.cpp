@@ -14,6 +14,10 @@ Eigen::Vector2d innovation(const PlanarLine& observed_base, const PlanarLine& pr
     return {observed_base.rho_m * std::cos(turn_rad) - predicted_base.rho_m, turn_rad};
 }
 
+Eigen::Vector2d difference(const PlanarLine& a, const PlanarLine& b) {
+    return {a.rho_m - b.rho_m, wrap_to_pi(a.alpha_rad - b.alpha_rad)};
+}
+
 ObservationJacobians observation_jacobians(const Pose2& T_map_base, const PlanarLine& line_map,
                                            const Eigen::Vector2d& first_normal) {
     const double along_m = line_map.along_m(T_map_base.translation());

@@ -26,6 +26,9 @@ PlanarLine predicted_line(const Pose2& T_map_base, const PlanarLine& line_map);
 /// at R, and too small on the average of many scans, while the seen stretch is where it should be.
 Eigen::Vector2d innovation(const PlanarLine& observed_base, const PlanarLine& predicted_base);
 
+/// Of two lines in one frame, a minus b, where neither is what a scan sees from that frame's origin.
+Eigen::Vector2d difference(const PlanarLine& a, const PlanarLine& b);
+
 struct ObservationJacobians {
     Matrix23 pose;         ///< to (t_x, t_y, theta)
     Eigen::Matrix2d line;  ///< to (rho, alpha) of the map line

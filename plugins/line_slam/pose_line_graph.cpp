@@ -42,12 +42,11 @@ double graph_cost(const PoseLineGraph& graph) {
         const Eigen::Vector3d r = motion_term(graph, k).residual;
         cost += r.dot(graph.motions[k].information * r);
     }
-    const double c2 = graph.robust_scale * graph.robust_scale;
     for (const auto& z : graph.observations) {
         const Eigen::Vector2d r =
             innovation(z.observed_base, predicted_line(graph.poses[static_cast<std::size_t>(z.pose)],
                                                        graph.lines[static_cast<std::size_t>(z.line)]));
-        cost += c2 * std::log1p(r.dot(z.information * r) / c2);
+        cost += graph.loss(r.dot(z.information * r));
     }
     return cost;
 }
@@ -95,7 +94,7 @@ void GraphSolver::lay_out(const PoseLineGraph& graph) {
     H_.finalize();
 }
 
-void GraphSolver::linearise(const PoseLineGraph& graph) {
+void GraphSolver::linearise(const PoseLineGraph& graph, double information_factor) {
     double* values = H_.valuePtr();
     const auto* starts = H_.outerIndexPtr();
     std::fill(values, values + H_.nonZeros(), 0.0);
@@ -137,13 +136,12 @@ void GraphSolver::linearise(const PoseLineGraph& graph) {
         gradient_.segment<3>(pose_row(k - 1)) += weighted_previous.transpose() * t.residual;
         add_below(k - 1, 0, Eigen::Matrix3d(t.to_pose.transpose() * weighted_previous));
     }
-    const double c2 = graph.robust_scale * graph.robust_scale;
     for (std::size_t o = 0; o < graph.observations.size(); ++o) {
         const GraphObservation& z = graph.observations[o];
         const LineTerm t = line_term(graph.poses[static_cast<std::size_t>(z.pose)],
                                      graph.lines[static_cast<std::size_t>(z.line)], z.observed_base);
-        const double weight = 1 / (1 + t.residual.dot(z.information * t.residual) / c2);
-        const Eigen::Matrix2d information = weight * z.information;
+        const double weight = graph.loss.weight(t.residual.dot(z.information * t.residual));
+        const Eigen::Matrix2d information = information_factor * weight * z.information;
         const Eigen::Matrix2d weighted_line = information * t.to_line;
         add_diagonal(line_row(z.line), Eigen::Matrix2d(t.to_line.transpose() * weighted_line));
         gradient_.segment<2>(line_row(z.line)) += weighted_line.transpose() * t.residual;
@@ -208,7 +206,7 @@ GraphSolver::Outcome GraphSolver::minimise(PoseLineGraph& graph, int max_iterati
 }
 
 bool GraphSolver::factorise(const PoseLineGraph& graph) {
-    linearise(graph);
+    linearise(graph, graph.loss.information_factor());
     ldlt_.factorize(H_);
     inverse_.resize(0, 0);
     return ldlt_.info() == Eigen::Success && (ldlt_.vectorD().array() > 0).all();

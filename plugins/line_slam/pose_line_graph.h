@@ -6,6 +6,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
+#include "line_slam/cauchy_loss.h"
 #include "line_slam/line_observation.h"
 #include "line_slam/motion_model.h"
 
@@ -32,7 +33,7 @@ struct PoseLineGraph {
     double sigma_scale = 0.05;                   ///< of the calibration, a priori
     std::vector<GraphMotion> motions;            ///< [k] from pose k - 1 to pose k; [0] is unused
     std::vector<GraphObservation> observations;  ///< ordered by pose, then line
-    double robust_scale = 3;                     ///< Cauchy loss of the whitened residual; its knee
+    CauchyLoss loss{3};                          ///< of the observations
 };
 
 /// Sum of all squared whitened residuals, the observations' under the robust loss.
@@ -53,7 +54,8 @@ class GraphSolver {
     };
     Outcome minimise(PoseLineGraph& graph, int max_iterations);
 
-    /// Factorises the undamped normal equations at the graph's present values; needed before the two below.
+    /// Factorises the undamped normal equations at the graph's present values, with the loss's information
+    /// factor; needed before those below.
     bool factorise(const PoseLineGraph& graph);
     /// Covariances of (x, y, phi) of every pose; zero for pose 0.
     std::vector<Eigen::Matrix3d> pose_covariances() const;
@@ -68,7 +70,8 @@ class GraphSolver {
     Eigen::Index line_row(int line) const { return 3 * (pose_count_ - 1) + 2 * line; }
     Eigen::Index calibration_row() const { return line_row(line_count_); }
     void lay_out(const PoseLineGraph& graph);
-    void linearise(const PoseLineGraph& graph);
+    /// `information_factor`: of every observation's weighted information.
+    void linearise(const PoseLineGraph& graph, double information_factor = 1);
 
     int pose_count_ = 0, line_count_ = 0;
     Sparse H_;  ///< lower triangle

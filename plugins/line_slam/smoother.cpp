@@ -11,7 +11,7 @@ namespace {
 PoseLineGraph graph_of(const History& history, const SmoothedPath& path, const Pairings& pairings,
                        const std::vector<Wall>& walls, double robust_scale) {
     PoseLineGraph graph;
-    graph.robust_scale = robust_scale;
+    graph.loss = CauchyLoss(robust_scale);
     graph.poses = path.poses;
     graph.calibration = path.calibration;
     graph.track_width_m = history.drive.track_width_m;

@@ -88,14 +88,8 @@ WheelTravel WideInterval::measured_travel(const Pose2& T_old_new) const {
 }
 
 template <class Take>
-void WideInterval::each_piece(const Take& take) const {
+void WideInterval::each_driven(const Take& take) const {
     const bool measured = parameters_.control == IntervalParameters::Control::measured;
-    if (!parameters_.re_prediction) {
-        // Eq. (3) over the whole interval, by the speeds when it began.
-        const WheelSpeed& speed = measured ? speed_at_step_ : commanded(regime_at_step_);
-        take(DrivePiece{regime_at_step_, travel_at(speed, duration_s_), duration_s_});
-        return;
-    }
     for (std::size_t k = 0; k < stretches_.size(); ++k) {
         const Stretch& s = stretches_[k];
         const bool last = k + 1 == stretches_.size();
@@ -108,15 +102,27 @@ void WideInterval::each_piece(const Take& take) const {
     }
 }
 
+template <class Take>
+void WideInterval::each_predicted(const Take& take) const {
+    if (parameters_.re_prediction) {
+        each_driven(take);
+        return;
+    }
+    // Eq. (3) over the whole interval, by the speeds when it began.
+    const bool measured = parameters_.control == IntervalParameters::Control::measured;
+    const WheelSpeed& speed = measured ? speed_at_step_ : commanded(regime_at_step_);
+    take(DrivePiece{regime_at_step_, travel_at(speed, duration_s_), duration_s_});
+}
+
 std::vector<MotionPiece> WideInterval::pieces() const {
     std::vector<MotionPiece> pieces;
-    each_piece([&](const DrivePiece& p) { pieces.push_back(piece(p.regime, p.rolled)); });
+    each_predicted([&](const DrivePiece& p) { pieces.push_back(piece(p.regime, p.rolled)); });
     return pieces;
 }
 
 Pose2 WideInterval::T_step_base_predicted(const WheelCalibration& calibration) const {
     Pose2 T_step_base;
-    each_piece([&](const DrivePiece& p) {
+    each_predicted([&](const DrivePiece& p) {
         T_step_base =
             T_step_base * moved(without_slip(p.regime, p.rolled), drive_.track_width_m, calibration);
     });
@@ -125,7 +131,7 @@ Pose2 WideInterval::T_step_base_predicted(const WheelCalibration& calibration) c
 
 std::vector<DrivePiece> WideInterval::drive_pieces() const {
     std::vector<DrivePiece> pieces;
-    each_piece([&](const DrivePiece& p) { pieces.push_back(p); });
+    each_driven([&](const DrivePiece& p) { pieces.push_back(p); });
     return pieces;
 }
 

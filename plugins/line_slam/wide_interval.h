@@ -88,9 +88,12 @@ class WideInterval {
     };
     void begin_stretch(Regime before, const ScanMotion& motion);
     bool is_due() const;
-    /// Calls `take` with each drive piece.
+    /// Calls `take` with each piece of the control that the prediction is made from, and with each that there
+    /// was.
     template <class Take>
-    void each_piece(const Take& take) const;
+    void each_predicted(const Take& take) const;
+    template <class Take>
+    void each_driven(const Take& take) const;
     WheelTravel without_slip(Regime regime, WheelTravel rolled) const;
     MotionPiece piece(Regime regime, const WheelTravel& rolled) const;
     const WheelSpeed& commanded(Regime regime) const;

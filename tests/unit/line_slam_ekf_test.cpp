@@ -64,7 +64,7 @@ TEST(LineSlamEkf, update_is_the_textbooks_joint_update) {
     const std::vector<PlanarLine> old{before(0), before(1), before(2)};
     ASSERT_TRUE(filter.update({{0, 0}, {1, 1}, {2, 2}}, z));
     for (int i = 0; i < 3; ++i) {
-        const Eigen::Vector2d moved_by = innovation(before(i), old[static_cast<std::size_t>(i)]);
+        const Eigen::Vector2d moved_by = difference(before(i), old[static_cast<std::size_t>(i)]);
         EXPECT_LT((moved_by - shift.segment<2>(2 * i)).norm(), 2e-3) << "first order";
         for (int j = 0; j < 3; ++j)
             EXPECT_LT((filter.predicted_covariance(i, j) - posterior.block<2, 2>(2 * i, 2 * j)).norm(), 2e-6);
@@ -99,7 +99,7 @@ TEST(LineSlamEkf, compressed_filter_equals_the_full_one) {
     for (const int i : all) {
         EXPECT_LT((full.line_covariance(i) - covariances[static_cast<std::size_t>(i)]).norm(), 1e-9)
             << "passive line " << i;
-        EXPECT_LT(innovation(full.line(i), compressed.line(i)).norm(), 1e-9) << "passive line " << i;
+        EXPECT_LT(difference(full.line(i), compressed.line(i)).norm(), 1e-9) << "passive line " << i;
     }
     std::vector<int> backwards(all.rbegin(), all.rend());
     compressed.activate(backwards);
@@ -109,7 +109,7 @@ TEST(LineSlamEkf, compressed_filter_equals_the_full_one) {
               1e-9 * full.pose_covariance().norm());
     EXPECT_LT((full.T_map_base().translation() - compressed.T_map_base().translation()).norm(), 1e-9);
     for (const int i : all) {
-        EXPECT_LT(innovation(full.line(i), compressed.line(i)).norm(), 1e-9) << "line " << i;
+        EXPECT_LT(difference(full.line(i), compressed.line(i)).norm(), 1e-9) << "line " << i;
         for (const int j : all)
             EXPECT_LT((full.predicted_covariance(i, j) - compressed.predicted_covariance(i, j)).norm(), 1e-9);
     }
@@ -178,7 +178,7 @@ TEST(LineSlamEkf, chain_of_local_maps_equals_the_full_filter_on_a_long_and_windi
         ASSERT_EQ(full.exists(id), chain.exists(id));
         if (!full.exists(id)) continue;
         all.push_back(id);
-        EXPECT_LT(innovation(full.line(id), chain.line(id)).norm(),
+        EXPECT_LT(difference(full.line(id), chain.line(id)).norm(),
                   1e-9 * (1 + std::abs(full.line(id).rho_m)));
         EXPECT_LT((full.line_covariance(id) - covariances[static_cast<std::size_t>(id)]).norm(), 1e-9);
     }

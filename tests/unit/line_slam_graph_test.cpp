@@ -55,7 +55,7 @@ TEST(LineSlamGraph, finds_the_truth_again_without_noise) {
                           wrap_to_pi(graph.poses[k].phi_rad + 0.2 * normal(random))};
     for (PlanarLine& l : graph.lines)
         l = {l.rho_m + normal(random), wrap_to_pi(l.alpha_rad + 0.2 * normal(random))};
-    graph.robust_scale = 100;
+    graph.loss = CauchyLoss(100);
     GraphSolver solver(graph);
     const auto outcome = solver.minimise(graph, 50);
     EXPECT_LT(outcome.final_cost, 1e-3);
@@ -102,6 +102,38 @@ TEST(LineSlamGraph, selected_inverse_equals_the_dense_one) {
     }
 }
 
+TEST(CauchyLoss, information_factor_makes_the_weighted_information_that_of_the_scatter) {
+    // The estimated middle of 200 points, over 4000 times.
+    std::mt19937_64 random(8);
+    std::normal_distribution<double> normal(0, 1);
+    for (const double scale : {1.5, 3.0, 6.0}) {
+        const CauchyLoss loss(scale);
+        double scatter = 0, claimed = 0;
+        const int runs = 4000, n = 200;
+        for (int run = 0; run < runs; ++run) {
+            std::vector<Eigen::Vector2d> points;
+            for (int i = 0; i < n; ++i) points.emplace_back(normal(random), normal(random));
+            Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+            double information = 0;
+            for (int iteration = 0; iteration < 12; ++iteration) {
+                Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+                information = 0;
+                for (const auto& p : points) {
+                    const double w = loss.weight((p - middle).squaredNorm());
+                    sum += w * p;
+                    information += w;
+                }
+                middle = sum / information;
+            }
+            scatter += middle.squaredNorm() / 2;
+            claimed += 1 / (loss.information_factor() * information);
+        }
+        EXPECT_NEAR(scatter / claimed, 1, 0.05) << scale;
+    }
+    EXPECT_NEAR(CauchyLoss(9.9).information_factor(), CauchyLoss(10.1).information_factor(), 0.03);
+    EXPECT_EQ(CauchyLoss(1000).information_factor(), 1);
+}
+
 TEST(LineSlamGraph, covariances_cover_the_errors) {
     // Mean normalised error of the last pose over repetitions: three degrees of freedom.
     double sum = 0;
@@ -109,7 +141,7 @@ TEST(LineSlamGraph, covariances_cover_the_errors) {
     for (int run = 0; run < runs; ++run) {
         const PoseLineGraph truth = small_graph(0, 1);
         PoseLineGraph graph = small_graph(1, 100 + static_cast<std::uint64_t>(run));
-        graph.robust_scale = 100;  // nothing to be robust against
+        graph.loss = CauchyLoss(100);  // nothing to be robust against
         GraphSolver solver(graph);
         solver.minimise(graph, 50);
         ASSERT_TRUE(solver.factorise(graph));

@@ -93,6 +93,23 @@ TEST(WideInterval, is_split_at_every_change_of_the_regime) {
     }
 }
 
+TEST(WideInterval, scans_between_steps_are_where_the_filter_would_predict_them) {
+    Vehicle v;
+    for (RegimeParameters& r : v.interval.regimes) r.slip_left = 0.1, r.slip_right = 0.02;
+    const WheelCalibration calibration{0.01, -0.02, 0.03};
+    Course course(v);
+    Pose2 truth;
+    for (int i = 0; i < 20; ++i) {
+        const Regime regime = i < 6 ? Regime::straight : Regime::left;
+        course.drive(regime);
+        const WheelSpeed rim = v.interval.regimes[static_cast<std::size_t>(regime)].commanded;
+        truth = truth * moved({0.9 * rim.left_mps * scan_s, 0.98 * rim.right_mps * scan_s, 0},
+                              v.drive.track_width_m, calibration);
+        // The mid-point of one long arc for that of many short ones.
+        expect_same(course.wide.T_step_base_predicted(calibration), truth, 1e-6);
+    }
+}
+
 TEST(WideInterval, without_re_prediction_the_first_speed_holds) {
     for (const auto control :
          {IntervalParameters::Control::measured, IntervalParameters::Control::commanded}) {

@@ -105,7 +105,7 @@ TEST_F(LineSlamModels, observation_jacobians_agree_with_central_differences) {
                 d(k) = s;
                 return predicted_line(corrected(T, d.head<3>()), {l.rho_m + d(3), l.alpha_rad + d(4)});
             };
-            const Eigen::Vector2d numeric = innovation(at(h), at(-h)) / (2 * h);
+            const Eigen::Vector2d numeric = difference(at(h), at(-h)) / (2 * h);
             const Eigen::Vector2d analytic =
                 k < 3 ? Eigen::Vector2d(H.pose.col(k)) : Eigen::Vector2d(H.line.col(k - 3));
             EXPECT_LT((numeric - analytic).norm(), 1e-7) << "column " << k;
@@ -168,7 +168,7 @@ TEST_F(LineSlamModels, augmentation_jacobians_agree_with_central_differences) {
                 d(k) = s;
                 return transformed(corrected(T, d.head<3>()), {z.rho_m + d(3), z.alpha_rad + d(4)});
             };
-            const Eigen::Vector2d numeric = innovation(at(h), at(-h)) / (2 * h);
+            const Eigen::Vector2d numeric = difference(at(h), at(-h)) / (2 * h);
             const Eigen::Vector2d analytic =
                 k < 3 ? Eigen::Vector2d(G.pose.col(k)) : Eigen::Vector2d(G.observation.col(k - 3));
             EXPECT_LT((numeric - analytic).norm(), 1e-7) << "column " << k;
@@ -197,6 +197,28 @@ TEST_F(LineSlamModels, error_maps_agree_with_central_differences) {
         // T Exp(d) = Exp(Ad d) T.
         const Pose2 right = T * Pose2{d(0), d(1), d(2)};
         EXPECT_LT((coordinates(right) - coordinates(corrected(T, adjoint(T) * d))).norm(), 1e-10);
+    }
+}
+
+TEST_F(LineSlamModels, innovation_of_a_far_wall_is_zero_on_the_average_where_its_direction_is_vague) {
+    // A stretch at 15 m, seen ahead, aside and obliquely: its middle to 5 mm, its direction to 1 degree.
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal(0, 1);
+    const double sigma_m = 0.005, sigma_rad = M_PI / 180;
+    for (const double bearing_rad : {0.0, 0.4, -1.1}) {
+        const PlanarLine wall{15, 0.3};
+        const Eigen::Vector2d middle = wall.point_m(15 * std::tan(bearing_rad));
+        Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+        const int n = 40000;
+        for (int i = 0; i < n; ++i) {
+            PlanarLine seen{0, wall.alpha_rad + sigma_rad * normal(random)};
+            seen.rho_m = seen.normal().dot(middle) + sigma_m * normal(random);
+            const Eigen::Vector2d v = innovation(seen, wall);
+            // At the middle of the stretch as it was seen, which is where an observation's covariance has it.
+            sum += Eigen::Vector2d(v.x() - seen.along_m(middle) * v.y(), v.y());
+        }
+        EXPECT_NEAR(sum.x() / n, 0, 4 * sigma_m / std::sqrt(n)) << "by the plain difference, 2.3 mm";
+        EXPECT_NEAR(sum.y() / n, 0, 4 * sigma_rad / std::sqrt(n));
     }
 }
 
