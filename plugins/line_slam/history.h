@@ -1,6 +1,8 @@
 /// All that happened, scan by scan: what the smoother works on.
 #pragma once
 
+#include <deque>
+#include <utility>
 #include <vector>
 
 #include "line_slam/motion_model.h"
@@ -19,7 +21,8 @@ struct HistoryStep {
 };
 
 struct History {
-    std::vector<HistoryStep> steps;
+    std::deque<HistoryStep>
+        steps;  ///< never moved: a step of the filter takes the same time, however many there were
     int track_count = 0;
     std::vector<std::pair<int, int>> same_wall;  ///< tracks that were recognised as one
     DriveParameters drive;
