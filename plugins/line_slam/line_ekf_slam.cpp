@@ -257,6 +257,7 @@ bool LineEkfSlam::merge(const Recognition& recognition) {
             lines_at_[static_cast<std::size_t>(place)].push_back(walls[k].kept);
         keep.places.insert(keep.places.end(), drop.places.begin(), drop.places.end());
         std::sort(keep.places.begin(), keep.places.end());
+        if (!keep.awake) awake_.push_back(walls[k].kept);
         keep.awake = true;
         history_.same_wall.emplace_back(keep.track, drop.track);
         ++counts_.merged;
@@ -348,31 +349,32 @@ std::optional<Recognition> LineEkfSlam::search_old_place() {
 void LineEkfSlam::wake_neighbourhood() {
     if (path_m_ - woken_at_m_ < 0.5 && woken_at_m_ >= 0) return;
     woken_at_m_ = path_m_;
-    const int reach = static_cast<int>(parameters_.wake_m), last = static_cast<int>(lines_at_.size()) - 1;
-    std::vector<int> near;
-    const auto mark = [&](int place) {
-        for (int p = std::max(0, place - reach); p <= std::min(place + reach, last); ++p) near.push_back(p);
-    };
-    mark(static_cast<int>(path_m_));
-    for (const int id : lines_since(2.0))
-        for (const int place : records_[static_cast<std::size_t>(id)].places) mark(place);
-    const auto ascending = [](std::vector<int>& numbers) {
-        std::sort(numbers.begin(), numbers.end());
-        numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-    };
-    ascending(near);
     for (const int id : awake_) {
         records_[static_cast<std::size_t>(id)].awake = false;
         records_[static_cast<std::size_t>(id)].recent = false;
     }
     awake_.clear();
-    for (const int place : near)
-        for (const int id : lines_at_[static_cast<std::size_t>(place)])
-            if (filter_.exists(id)) awake_.push_back(id);
-    ascending(awake_);
+    near_.assign(lines_at_.size(), false);
+    const int reach = static_cast<int>(parameters_.wake_m), last = static_cast<int>(lines_at_.size()) - 1;
+    const auto wake_around = [&](int place) {
+        for (int p = std::max(0, place - reach); p <= std::min(place + reach, last); ++p) {
+            const auto near = static_cast<std::size_t>(p);
+            if (near_[near]) continue;
+            near_[near] = true;
+            for (const int id : lines_at_[near]) {
+                MapLineRecord& record = records_[static_cast<std::size_t>(id)];
+                if (record.awake || !filter_.exists(id)) continue;
+                record.awake = true;
+                awake_.push_back(id);
+            }
+        }
+    };
+    wake_around(static_cast<int>(path_m_));
+    for (const int id : lines_since(2.0))
+        for (const int place : records_[static_cast<std::size_t>(id)].places) wake_around(place);
+    std::sort(awake_.begin(), awake_.end());
     for (const int id : awake_) {
         MapLineRecord& record = records_[static_cast<std::size_t>(id)];
-        record.awake = true;
         record.recent = path_m_ - record.last_seen_m < parameters_.recent_m;
     }
 }

@@ -87,8 +87,9 @@ class LineEkfSlam {
     TentativeLines tentative_;
     History history_;
     LineSlamCounts counts_;
-    std::vector<int> awake_;                  ///< lines that a scan may be matched with, ascending
-    std::vector<int> young_;                  ///< lines that may still turn out to be chance
+    std::vector<char> near_;  ///< working memory of wake_neighbourhood(), per metre of the path
+    std::vector<int> awake_;  ///< lines that a scan may be matched with, ascending
+    std::vector<int> young_;  ///< lines that may still turn out to be chance
     std::vector<std::vector<int>> lines_at_;  ///< by whole metres of the path: lines that were seen there
     LineGrid grid_;
     double path_m_ = 0;

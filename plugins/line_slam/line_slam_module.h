@@ -100,7 +100,7 @@ class LineSlam : public Module {
     Pose2 T_odom_base_;               ///< at the latest scan
     double since_previous_s_ = 0;
     std::optional<Command> commanded_;
-    std::vector<ScanPlace> places_;
+    std::deque<ScanPlace> places_;
     std::vector<StepPose> steps_;
     line_slam::SlamStatus status_ = line_slam::SlamStatus::good;
     std::int64_t without_odometry_ = 0;

@@ -95,9 +95,11 @@ void WideInterval::each_driven(const Take& take) const {
         const bool last = k + 1 == stretches_.size();
         const Pose2& T_step_to = last ? T_step_base_ : stretches_[k + 1].T_step_from;
         const double duration_s = (last ? duration_s_ : stretches_[k + 1].from_s) - s.from_s;
-        take(DrivePiece{s.regime,
-                        measured ? measured_travel(s.T_step_from.inverse() * T_step_to)
-                                 : travel_at(commanded(s.regime), duration_s),
+        // The first stretch begins at the step.
+        const auto measured_here = [&] {
+            return measured_travel(k == 0 ? T_step_to : s.T_step_from.inverse() * T_step_to);
+        };
+        take(DrivePiece{s.regime, measured ? measured_here() : travel_at(commanded(s.regime), duration_s),
                         duration_s});
     }
 }
@@ -122,9 +124,11 @@ std::vector<MotionPiece> WideInterval::pieces() const {
 
 Pose2 WideInterval::T_step_base_predicted(const WheelCalibration& calibration) const {
     Pose2 T_step_base;
+    bool first = true;
     each_predicted([&](const DrivePiece& p) {
-        T_step_base =
-            T_step_base * moved(without_slip(p.regime, p.rolled), drive_.track_width_m, calibration);
+        const Pose2 T_piece = moved(without_slip(p.regime, p.rolled), drive_.track_width_m, calibration);
+        T_step_base = first ? T_piece : T_step_base * T_piece;
+        first = false;
     });
     return T_step_base;
 }

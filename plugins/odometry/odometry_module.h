@@ -71,7 +71,7 @@ class Odometry : public Module {
     Pose2 T_odom_base_of_ticks_;     ///< integrated; the origin is where the first counts were read
     std::deque<ScanStamp> waiting_;  ///< in the log's order, in which they are placed
     ObservationPool<mrpt::obs::CObservationOdometry> pool_;
-    std::vector<DeadReckoned> path_;
+    std::deque<DeadReckoned> path_;
     Trajectory trajectory_;  ///< laid out at the end
 
     std::int64_t samples_ = 0, ignored_ = 0, without_ticks_ = 0, not_finite_ = 0, scans_ = 0,

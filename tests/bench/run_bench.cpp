@@ -34,6 +34,7 @@ Cost cost_of(const Words& command) {
     std::vector<char*> words;
     for (const auto& word : command) words.push_back(const_cast<char*>(word.c_str()));
     words.push_back(nullptr);
+    std::fflush(stdout);  // or the child would print it again
     const pid_t child = ::fork();
     if (child == 0) {
         if (std::freopen("/dev/null", "w", stdout) != nullptr) ::execv(words[0], words.data());
