@@ -15,7 +15,7 @@ constexpr int max_steps = 8;
 // hundredth of it.
 constexpr double settled_sigmas = 0.3;
 constexpr double singular = 1e-12;
-constexpr std::size_t least_with_ends = 5;  // points of a run that can do without its ends
+constexpr std::size_t least_with_ends = 12;  // points of a run that can do without its ends
 /// The stated noise counts as much as this many residuals, so that short lines are not judged by a handful of
 /// them.
 constexpr double prior_degrees_of_freedom = 30;
@@ -147,7 +147,7 @@ void LineFitter::set_ends_apart(const ScanPoints& points, const NoiseModel& nois
         Interval& run = runs_[k];
         if (run.size() < least_with_ends) continue;
         const std::size_t first = run.begin, last = run.end - 1;
-        for (std::size_t left = std::max<std::size_t>(1, run.size() / 8); left > 0; --left) {
+        for (std::size_t left = std::max<std::size_t>(1, run.size() / 16); left > 0; --left) {
             if (points.squared_distance_m2(first, run.begin) <= reach2_m2) ++run.begin;
             if (points.squared_distance_m2(last, run.end - 1) <= reach2_m2) --run.end;
         }
