@@ -94,7 +94,7 @@ Association LineEkfSlam::associate_or_doubt_wheels(const std::vector<LineObserva
     last_pairings_ = association.pairings.size();
     const bool walls_are_missed =
         association.pairings.size() < before && association.pairings.size() + 2 <= observations.size();
-    if (!walls_are_missed) return association;
+    if (!walls_are_missed || !slip_is_small()) return association;
 
     const double slip2 = parameters_.slip_factor * parameters_.slip_factor;
     filter_.doubt_motion(slip2 - 1);
@@ -107,6 +107,15 @@ Association LineEkfSlam::associate_or_doubt_wheels(const std::vector<LineObserva
     }
     filter_.doubt_motion(1 - slip2);
     return association;
+}
+
+/// Where wheels are so vague that ten times their noise would reach other walls, a slip is within their
+/// noise.
+bool LineEkfSlam::slip_is_small() const {
+    const Eigen::Matrix3d& Q = history_.steps.back().travel_covariance;
+    const double turn_variance =
+        (Q(0, 0) + Q(1, 1) - 2 * Q(0, 1)) / std::pow(parameters_.drive.track_width_m, 2);
+    return parameters_.slip_factor * std::sqrt(turn_variance) < parameters_.max_slip_turn_rad;
 }
 
 /// Two walls or more that the last step saw come back together, and more than fit without the slip: as they

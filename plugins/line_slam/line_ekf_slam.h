@@ -31,8 +31,9 @@ struct LineSlamParameters {
     double overconfidence =
         10;                   ///< of the filter after a long way, that a recognised place may bring to light
     double slip_factor = 10;  ///< by which the noise of slipping wheels exceeds the model's
-    double recognition_every_m = 0.5;  ///< of the path
-    double active_m = 3;               ///< of the path, whose lines stay active
+    double max_slip_turn_rad = 2 * M_PI / 180;  ///< one sigma of it; wheels known worse explain slips without
+    double recognition_every_m = 0.5;           ///< of the path
+    double active_m = 3;                        ///< of the path, whose lines stay active
 };
 
 struct LineSlamCounts {
@@ -64,6 +65,7 @@ class LineEkfSlam {
     double predict(const std::vector<MotionPiece>& motion);
     void discount_repetition(double way_m, std::vector<LineObservation>& observations) const;
     Association associate_or_doubt_wheels(const std::vector<LineObservation>& observations, double way_m);
+    bool slip_is_small() const;
     bool tells_of_slip(const Association& with_slip, const Association& without,
                        double path_at_last_step_m) const;
     bool may_be_seen(int id, const std::vector<LineObservation>& observations, double reach_m) const;
