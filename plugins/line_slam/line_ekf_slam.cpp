@@ -94,7 +94,9 @@ Association LineEkfSlam::associate_or_doubt_wheels(const std::vector<LineObserva
     last_pairings_ = association.pairings.size();
     const bool walls_are_missed =
         association.pairings.size() < before && association.pairings.size() + 2 <= observations.size();
-    if (!walls_are_missed || !slip_is_small()) return association;
+    // With vague wheels other walls are in reach of a slip: it is looked for only where nothing is left to
+    // lose.
+    if (!walls_are_missed || !(slip_is_small() || association.pairings.empty())) return association;
 
     const double slip2 = parameters_.slip_factor * parameters_.slip_factor;
     filter_.doubt_motion(slip2 - 1);

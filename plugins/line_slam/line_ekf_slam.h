@@ -31,7 +31,7 @@ struct LineSlamParameters {
     double overconfidence =
         10;                   ///< of the filter after a long way, that a recognised place may bring to light
     double slip_factor = 10;  ///< by which the noise of slipping wheels exceeds the model's
-    double max_slip_turn_rad = 2 * M_PI / 180;  ///< one sigma of it; wheels known worse explain slips without
+    double max_slip_turn_rad = 2 * M_PI / 180;  ///< of a sigma of it, for other walls to be out of reach
     double recognition_every_m = 0.5;           ///< of the path
     double active_m = 3;                        ///< of the path, whose lines stay active
 };
