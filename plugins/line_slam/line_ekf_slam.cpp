@@ -111,8 +111,7 @@ Association LineEkfSlam::associate_or_doubt_wheels(const std::vector<LineObserva
     return association;
 }
 
-/// Where wheels are so vague that ten times their noise would reach other walls, a slip is within their
-/// noise.
+/// A slip by the wheels' noise times slip_factor turns the vehicle by less than what reaches other walls.
 bool LineEkfSlam::slip_is_small() const {
     const Eigen::Matrix3d& Q = history_.steps.back().travel_covariance;
     const double turn_variance =

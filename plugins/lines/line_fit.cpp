@@ -71,7 +71,7 @@ void LineFitter::add_run(const Interval& run) {
         runs_.back().end = run.end;
         return;
     }
-    runs_.push_back({run});
+    runs_.push_back(run);
     ++line.end_run;
 }
 
