@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
 namespace loopline::grid_map {
 namespace {
@@ -160,13 +161,15 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
 /// A wall errs as a whole over some length: returns closer together than that share one voice.
 void independence(const Frame& frame, double correlation_m, std::vector<float>& weights) {
     weights.assign(frame.points.size(), 1);
+    static const double SA=getenv("SANG")?atof(getenv("SANG"))*M_PI/180:0, SR=getenv("SRNG")?atof(getenv("SRNG")):0; 
+    if (SA>0||SR>0) for (std::size_t i=0;i<frame.points.size();++i){ Eigen::Vector2f d=frame.points[i].p_base_m-frame.p_base_sensor_m; float r=d.norm(); float c=frame.points[i].normal_base.dot(d)/r; float e2=r*r*SA*SA*(1-c*c)+SR*SR*r*r; weights[i]=1/(1+e2/0.0009F);}
     if (correlation_m <= 0) return;
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
         float along = 0;
         int sides = 0;
         if (i > 0) along += (frame.points[i].p_base_m - frame.points[i - 1].p_base_m).norm(), ++sides;
         if (i + 1 < frame.points.size()) along += (frame.points[i + 1].p_base_m - frame.points[i].p_base_m).norm(), ++sides;
-        if (sides > 0) weights[i] = std::min(1.0F, along / static_cast<float>(sides) / static_cast<float>(correlation_m));
+        if (sides > 0) weights[i] *= std::min(1.0F, along / static_cast<float>(sides) / static_cast<float>(correlation_m));
     }
 }
 
