@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "simulation/clutter.h"
+
 namespace loopline::simulation {
 namespace {
 
-ParameterTable world_table(FloorPlan& plan, Generator& generator) {
+/// A cart is not turned on the spot.
+constexpr double sharpest_turn_rad = 150 * M_PI / 180;
+
+ParameterTable world_table(FloorPlan& plan, Generator& generator, double& sigma_tilt_rad) {
     return ParameterTable("world", "Walls, in metres: drawn row by row, or by a generator from the seed.")
         .choice("generator", generator,
                 {{"none", Generator::none}, {"office", Generator::office}, {"campus", Generator::campus}},
@@ -15,13 +20,22 @@ ParameterTable world_table(FloorPlan& plan, Generator& generator) {
         .real("height_m", plan.height_m, {0.1, 1000}, "Height of the walls, and of the ceiling.")
         .real("door_height_m", plan.door_height_m, {0.1, 1000}, "Above it, a door's wall goes on.")
         .boolean("ceiling", plan.ceiling, "Whether there is one.")
+        .angle("sigma_tilt_deg", sigma_tilt_rad, {0, 5},
+               "Standard deviation of the floor's slope in any direction; it tilts and lifts the vehicle, the "
+               "same wherever that comes back to.")
         .rows("wall_m", plan.walls, {4, 2}, "x y x y ...", "A chain of walls from corner to corner.")
         .rows("door_m", plan.doors, {5, 0}, "x1 y1 x2 y2 depth",
               "A part of a wall that is set back to the left of the way from its first to its second point.")
         .rows("pilaster_m", plan.pilasters, {5, 0}, "x1 y1 x2 y2 depth",
               "A part of a wall that stands out to the left of the way from its first to its second point.")
+        .rows("partition_m", plan.partitions, {5, 0}, "x1 y1 x2 y2 thickness",
+              "A wall with two sides, about the line from its first to its second point.")
         .rows("box_m", plan.boxes, {6, 0}, "x y length width turn height",
               "A box on the ground: its middle, its size, and how far it is turned, in degrees.")
+        .rows("clutter_m", plan.clutter, {5, 0}, "x0 y0 x1 y1 pieces",
+              "Furniture that the seed draws: so many boxes, in the rectangle between two of its corners.")
+        .real("clutter_clear_m", plan.clutter_clear_m, {0.3, 100},
+              "No piece of it is nearer to the legs of the route.")
         .rows("point_m", plan.points, {3, 0}, "number x y", "A corner that results are compared at.");
 }
 
@@ -54,14 +68,37 @@ ParameterTable campus_table(CampusSettings& s) {
         .real("wall_height_m", s.height_m, {0.1, 1000}, "Height of the buildings.");
 }
 
-ParameterTable route_table(std::vector<Row>& waypoints, DriverSettings& s) {
+ParameterTable route_table(std::vector<Row>& waypoints, int& laps, Driving& driving, DriverSettings& s) {
     return ParameterTable("route", "Where the vehicle drives, and how well it keeps to that.")
+        .choice("drive", driving, {{"steered", Driving::steered}, {"pushed", Driving::pushed}},
+                "steered: by the three ways to drive of [vehicle]; pushed: a cart, as [cart] says.")
+        .integer("laps", laps, {1, 1000},
+                 "How often the route is driven, one after the other; it has to end where it begins.")
         .rows("waypoint_m", waypoints, {2, 0}, "x y",
               "From the first, which is the origin of the map, heading for the second, to the last.")
         .angle("deadband_deg", s.deadband_rad, {0.1, 90}, "Heading error that calls for a short turn.")
         .angle("approach_deg", s.approach_rad_per_m, {0, 90},
                "Heading back to the leg for each metre beside it.")
         .angle("max_approach_deg", s.max_approach_rad, {0, 90}, "At most.");
+}
+
+ParameterTable cart_table(PushSettings& s) {
+    return ParameterTable("cart",
+                          "A cart that a person pushes through the waypoints, if [route] drive = pushed. Speed, "
+                          "acceleration and turn rate have no jumps.")
+        .real("corner_radius_m", s.corner_radius_m, {0.1, 100},
+              "Radius of a bend where it is tightest; less where legs are too short for that.")
+        .real("speed_mps", s.speed_mps, {0.05, 10}, "Speed where nothing slows it down.")
+        .real("sigma_speed", s.sigma_speed, {0, 0.3},
+              "Standard deviation of the speed along the way, as a part of it.")
+        .real("speed_up_s", s.speed_up_s, {0.2, 60}, "Time from standstill to full speed, and back.")
+        .angle("turn_dps", s.turn_radps, {5, 360}, "Bends are taken so slowly that it turns no faster.")
+        .real("standstill_s", s.standstill_s, {1, 3600}, "How long it stands at the start.")
+        .real("end_standstill_s", s.end_standstill_s, {1, 3600}, "How long it stands at the end.")
+        .real("stop_every_m", s.stop_every_m, {0, 1e6}, "Way from stop to stop, about; 0: no stops.")
+        .real("stop_s", s.stop_s, {1.5, 3600}, "How long a stop takes.")
+        .real("sigma_side_m", s.sigma_side_m, {0, 0.2},
+              "Standard deviation of how far it strays beside its path; it turns as it does.");
 }
 
 ParameterTable vehicle_table(VehicleSettings& v) {
@@ -104,8 +141,29 @@ ParameterTable Scenario::simulation_table() {
 }
 
 std::vector<ParameterTable> Scenario::tables() {
-    return {simulation_table(),   world_table(plan, generator),   office_table(office),
-            campus_table(campus), route_table(waypoints, driver), vehicle_table(vehicle)};
+    return {simulation_table(),
+            world_table(plan, generator, sigma_tilt_rad),
+            office_table(office),
+            campus_table(campus),
+            route_table(waypoints, laps, driving, driver),
+            cart_table(push),
+            vehicle_table(vehicle)};
+}
+
+Waypoints Scenario::drawn_route() const {
+    Waypoints route;
+    for (const Row& row : waypoints) route.emplace_back(row[0], row[1]);
+    return route;
+}
+
+void Scenario::check_route(std::vector<ScenarioProblem>& problems) const {
+    const Waypoints route = drawn_route();
+    if (laps > 1 && (route.front() - route.back()).norm() > 0.01)
+        problems.push_back({"route", "laps", 0, "needs a last waypoint_m that is the first one"});
+    if (driving == Driving::pushed && CartPath::sharpest_turn_rad(route) > sharpest_turn_rad)
+        problems.push_back({"route", "drive", 0,
+                            "= pushed can't follow a route that turns back by more than " +
+                                number_text(sharpest_turn_rad * 180 / M_PI) + " degrees at a waypoint_m"});
 }
 
 std::vector<ScenarioProblem> Scenario::check() const {
@@ -114,14 +172,16 @@ std::vector<ScenarioProblem> Scenario::check() const {
     std::vector<PlanProblem> plan_problems;
     build_world(plan, plan_problems);
     for (const auto& p : plan_problems) problems.push_back({"world", p.key, p.row, p.sentence});
-    if (!drawn && (!plan.walls.empty() || !plan.boxes.empty() || !waypoints.empty()))
-        problems.push_back(
-            {"world", "generator", 0,
-             "draws walls and route by itself; remove wall_m, box_m and waypoint_m, or set it to none"});
+    if (!drawn && (!plan.walls.empty() || !plan.boxes.empty() || !plan.partitions.empty() ||
+                   !plan.clutter.empty() || !waypoints.empty()))
+        problems.push_back({"world", "generator", 0,
+                            "draws walls and route by itself; remove wall_m, box_m, partition_m, clutter_m and "
+                            "waypoint_m, or set it to none"});
     if (drawn && waypoints.size() < 2) problems.push_back({"route", "", 0, "needs two waypoint_m at least"});
     for (std::size_t i = 1; drawn && i < waypoints.size(); ++i)
         if (std::hypot(waypoints[i][0] - waypoints[i - 1][0], waypoints[i][1] - waypoints[i - 1][1]) < 0.1)
             problems.push_back({"route", "waypoint_m", i, "is less than 0.1 m from the one before it"});
+    if (drawn && waypoints.size() >= 2) check_route(problems);
     if (vehicle.turn_inner_mps >= vehicle.turn_outer_mps)
         problems.push_back(
             {"vehicle", "turn_inner_mps", 0, "is not below turn_outer_mps, so there would be no turn"});
@@ -130,17 +190,38 @@ std::vector<ScenarioProblem> Scenario::check() const {
     return problems;
 }
 
-std::unique_ptr<Scene> make_scene(const Scenario& s) {
+namespace {
+
+/// The route so many times in a row; the first waypoint of a lap is the last of the one before.
+Waypoints repeated(const Waypoints& route, int laps) {
+    Waypoints all = route;
+    for (int lap = 1; lap < laps; ++lap) all.insert(all.end(), route.begin() + 1, route.end());
+    return all;
+}
+
+GeneratedPlan make_plan(const Scenario& s) {
+    if (s.generator == Generator::office) return make_office(s.office, s.plan.height_m, s.seed);
+    if (s.generator == Generator::campus) return make_campus(s.campus, s.seed);
     GeneratedPlan plan;
-    if (s.generator == Generator::office) {
-        plan = make_office(s.office, s.plan.height_m, s.seed);
-    } else if (s.generator == Generator::campus) {
-        plan = make_campus(s.campus, s.seed);
-    } else {
-        std::vector<PlanProblem> none;
-        plan.world = build_world(s.plan, none);
-        for (const Row& row : s.waypoints) plan.route.emplace_back(row[0], row[1]);
-    }
+    std::vector<PlanProblem> none;
+    plan.world = build_world(s.plan, none);
+    plan.route = s.drawn_route();
+    add_clutter(plan.world, s.plan.clutter, plan.route, s.plan.clutter_clear_m, s.seed);
+    return plan;
+}
+
+std::optional<Drive> make_drive(const Scenario& s, const Waypoints& route) {
+    const Waypoints all = repeated(route, s.laps);
+    if (s.driving == Driving::steered) return drive_route(all, s.drive, s.driver, s.vehicle, s.seed);
+    if (CartPath::sharpest_turn_rad(all) > sharpest_turn_rad)
+        throw std::runtime_error("a cart can't be pushed along this route, which turns back on itself");
+    return push_along(all, s.push, s.drive, s.vehicle, s.seed);
+}
+
+}  // namespace
+
+std::unique_ptr<Scene> make_scene(const Scenario& s) {
+    GeneratedPlan plan = make_plan(s);
     // The map frame is the first pose.
     const Pose2 T_map_world = Driver(plan.route, s.driver, s.vehicle).start().inverse();
     for (auto& waypoint_m : plan.route) waypoint_m = T_map_world * waypoint_m;
@@ -151,11 +232,12 @@ std::unique_ptr<Scene> make_scene(const Scenario& s) {
         walker.to_m = T_map_world * walker.to_m;
         scene->walkers.push_back(walker);
     }
-    auto drive = drive_route(plan.route, s.drive, s.driver, s.vehicle, s.seed);
+    auto drive = make_drive(s, plan.route);
     if (!drive)
         throw std::runtime_error("the vehicle does not arrive within " + number_text(s.drive.longest_s) +
                                  " s; look at [route] and [vehicle], or raise [simulation] longest_s");
     scene->drive = std::move(*drive);
+    if (s.sigma_tilt_rad > 0) scene->drive.motion.put_on(UnevenFloor(s.sigma_tilt_rad, s.seed));
     scene->vehicle = s.vehicle;
     scene->start_ns = static_cast<StampNs>(std::llround(s.start_utc_s * 1e7)) * 100;
     scene->seed = s.seed;
