@@ -16,8 +16,9 @@ class Hands {
     Pose2 T_world_base(const CartPath& path, double way_m) const {
         const PathPoint point = path.at(way_m);
         const double u = std::min(way_m / fade_in_m, 1.0);
-        const double fade = u * u * u * (10 + u * (6 * u - 15));
-        const double fade_slope = u < 1 ? 30 * u * u * (1 - u) * (1 - u) / fade_in_m : 0;
+        // From 0 to 1 with three derivatives that vanish at both ends: the turn rate takes two of them.
+        const double fade = u * u * u * u * (35 + u * (u * (70 - 20 * u) - 84));
+        const double fade_slope = 140 * std::pow(u * (1 - u), 3) / fade_in_m;
         const double aside_m = fade * side_m_.at(way_m);
         const double slope = fade * side_m_.slope_at(way_m) + fade_slope * side_m_.at(way_m);
         // The tangent of the path that is `aside_m` to the left of a curved one.

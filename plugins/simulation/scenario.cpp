@@ -34,7 +34,7 @@ ParameterTable world_table(FloorPlan& plan, Generator& generator, double& sigma_
               "A box on the ground: its middle, its size, and how far it is turned, in degrees.")
         .rows("clutter_m", plan.clutter, {5, 0}, "x0 y0 x1 y1 pieces",
               "Furniture that the seed draws: so many boxes, in the rectangle between two of its corners.")
-        .real("clutter_clear_m", plan.clutter_clear_m, {0.3, 100},
+        .real("clutter_clear_m", plan.clutter_clear_m, {0.4, 100},
               "No piece of it is nearer to the legs of the route.")
         .rows("point_m", plan.points, {3, 0}, "number x y", "A corner that results are compared at.");
 }
