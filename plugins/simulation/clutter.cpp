@@ -36,8 +36,8 @@ Piece drawn_piece(RandomStream& random) {
     return {{0, 0}, length_m, width_m, angle_rad, random.uniform(0.6, 1.9)};
 }
 
-/// Nearer than `clear_m` to the leg from `a_m` to `b_m`. A leg that cuts through a piece is near its middle or one
-/// of its corners.
+/// Nearer than `clear_m` to the leg from `a_m` to `b_m`. A leg that cuts through a piece is near its middle
+/// or one of its corners.
 bool is_near(const Piece& piece, const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m, double clear_m) {
     if (distance_to_segment_m(piece.centre_m, a_m, b_m) > clear_m + piece.radius_m()) return false;
     const auto corners = piece.corners_m();

@@ -6,8 +6,8 @@ namespace loopline::simulation {
 namespace {
 
 Eigen::Vector3d mean_velocity_mps(const SensorPoseAt& T_map_sensor, StampNs time_ns, StampNs window_ns) {
-    const Eigen::Vector3d way_m = T_map_sensor(time_ns + window_ns).translation_m -
-                                  T_map_sensor(time_ns - window_ns).translation_m;
+    const Eigen::Vector3d way_m =
+        T_map_sensor(time_ns + window_ns).translation_m - T_map_sensor(time_ns - window_ns).translation_m;
     return way_m / (2e-9 * static_cast<double>(window_ns));
 }
 

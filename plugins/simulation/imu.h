@@ -24,8 +24,8 @@ struct TriadSettings {
 
 struct ImuSettings {
     double rate_hz = 200;
-    TriadSettings gyro{0.01 * M_PI / 180, 0.2 * M_PI / 180, 0.01 * M_PI / 180,
-                       300,               0.001,            0.0005 * M_PI / 180};
+    TriadSettings gyro{0.01 * M_PI / 180, 0.2 * M_PI / 180, 0.01 * M_PI / 180, 300, 0.001,
+                       0.004 * M_PI / 180};
     TriadSettings accelerometer{0.0015, 0.03, 0.003, 300, 0.001, 0.0006};
 };
 
@@ -39,8 +39,9 @@ struct InertialRates {
 /// Pose of the sensor in a level frame at a time.
 using SensorPoseAt = std::function<Pose3(StampNs time_ns)>;
 
-/// What a perfect unit integrates from `from_ns` to `to_ns`. Velocities at both ends are means over `window_ns`
-/// before and after, so a path without jumps is enough: it need not have an acceleration at every moment.
+/// What a perfect unit integrates from `from_ns` to `to_ns`. Velocities at both ends are means over
+/// `window_ns` before and after, so a path without jumps is enough: it need not have an acceleration at every
+/// moment.
 InertialRates true_rates(const SensorPoseAt& T_map_sensor, StampNs from_ns, StampNs to_ns, StampNs window_ns);
 
 /// Readings of one triad; draws its errors at turn-on.

@@ -17,14 +17,17 @@ TruthRow bias_row(const char* kind, int number, const Eigen::Vector3d& gyro, con
 
 ParameterTable ImuSensor::parameters() {
     TriadSettings &g = imu_.gyro, &a = imu_.accelerometer;
-    return ParameterTable("imu",
-                          "A MEMS inertial measurement unit: CObservationIMU, with rates and specific forces that "
-                          "are means over the sample interval about the stamp.")
+    return ParameterTable(
+               "imu",
+               "A MEMS inertial measurement unit: CObservationIMU, with rates and specific forces that "
+               "are means over the sample interval about the stamp.")
         .real("rate_hz", imu_.rate_hz, {1, 2000}, "Samples a second.")
-        .angle("gyro_noise_deg", g.noise, {0, 10},
-               "Noise of the gyros: standard deviation of the angle that it adds up to in 1 s (deg/s/sqrt(Hz)).")
+        .angle(
+            "gyro_noise_deg", g.noise, {0, 10},
+            "Noise of the gyros: standard deviation of the angle that it adds up to in 1 s (deg/s/sqrt(Hz)).")
         .angle("gyro_bias_dps", g.bias, {0, 10}, "Standard deviation of the bias, drawn for each axis.")
-        .angle("gyro_drift_dps", g.drift, {0, 10}, "Standard deviation of how the bias wanders during the drive.")
+        .angle("gyro_drift_dps", g.drift, {0, 10},
+               "Standard deviation of how the bias wanders during the drive.")
         .real("gyro_drift_s", g.drift_s, {1, 1e6}, "Correlation time of that.")
         .real("gyro_scale_error", g.scale_error, {0, 0.1},
               "Standard deviation of the scale factor's error, drawn for each axis.")
@@ -32,7 +35,8 @@ ParameterTable ImuSensor::parameters() {
         .real("accelerometer_noise_mps", a.noise, {0, 1},
               "Noise of the accelerometers: standard deviation of the speed that it adds up to in 1 s "
               "(m/s^2/sqrt(Hz)).")
-        .real("accelerometer_bias_mps2", a.bias, {0, 10}, "Standard deviation of the bias, drawn for each axis.")
+        .real("accelerometer_bias_mps2", a.bias, {0, 10},
+              "Standard deviation of the bias, drawn for each axis.")
         .real("accelerometer_drift_mps2", a.drift, {0, 10},
               "Standard deviation of how the bias wanders during the drive.")
         .real("accelerometer_drift_s", a.drift_s, {1, 1e6}, "Correlation time of that.")

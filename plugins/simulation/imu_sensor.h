@@ -8,8 +8,8 @@
 
 namespace loopline::simulation {
 
-/// CObservationIMU: angular rates (rad/s) and specific forces (m/s^2) in the axes of the sensor, means over one
-/// sample interval with the stamp in its middle.
+/// CObservationIMU: angular rates (rad/s) and specific forces (m/s^2) in the axes of the sensor, means over
+/// one sample interval with the stamp in its middle.
 class ImuSensor : public Sensor {
  public:
     std::string name() const override { return "imu"; }

@@ -151,7 +151,8 @@ class Office {
 
     bool in_the_way(const Eigen::Vector2d& place, double size_m) const {
         for (std::size_t i = 0; i + 1 < plan_.route.size(); ++i)
-            if (distance_to_segment_m(place, plan_.route[i], plan_.route[i + 1]) < free_way_m + size_m) return true;
+            if (distance_to_segment_m(place, plan_.route[i], plan_.route[i + 1]) < free_way_m + size_m)
+                return true;
         return false;
     }
 

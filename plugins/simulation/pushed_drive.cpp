@@ -10,8 +10,7 @@ namespace {
 /// Where hands let the cart stray to.
 class Hands {
  public:
-    Hands(double sigma_side_m, RandomStream random)
-        : side_m_(sigma_side_m, shortest_m, longest_m, random) {}
+    Hands(double sigma_side_m, RandomStream random) : side_m_(sigma_side_m, shortest_m, longest_m, random) {}
 
     Pose2 T_world_base(const CartPath& path, double way_m) const {
         const PathPoint point = path.at(way_m);

@@ -8,9 +8,10 @@
 namespace loopline::simulation {
 namespace {
 
-constexpr double cell_m = 0.02;             ///< of the speed limits along the path
-constexpr double stray_m[] = {4, 20};       ///< wavelengths of the speed's variations
-constexpr double smoothing_s[] = {0.5, 0.3, 0.2};  ///< of the speed: each makes one more derivative continuous
+constexpr double cell_m = 0.02;        ///< of the speed limits along the path
+constexpr double stray_m[] = {4, 20};  ///< wavelengths of the speed's variations
+constexpr double smoothing_s[] = {0.5, 0.3,
+                                  0.2};  ///< of the speed: each makes one more derivative continuous
 
 /// What the path and the person allow, at every cell of the path.
 std::vector<double> limits_mps(const CartPath& path, const PushSettings& s, std::size_t cells,
@@ -52,7 +53,8 @@ void limit_acceleration(std::vector<double>& speed_mps, double acceleration_mps2
 
 /// A cell begins at a time, and is passed at constant acceleration.
 struct Timetable {
-    std::vector<double> begin_s, arrival_s;  ///< of each cell; it begins when the stop at its beginning is over
+    std::vector<double> begin_s,
+        arrival_s;  ///< of each cell; it begins when the stop at its beginning is over
 
     double end_s() const { return begin_s.back(); }
 };
@@ -89,8 +91,7 @@ std::vector<double> sampled_m(const Timetable& table, const std::vector<double>&
             const double inside_s = time_s - table.begin_s[cell];
             const double acceleration_mps2 =
                 (std::pow(speed_mps[cell + 1], 2) - std::pow(speed_mps[cell], 2)) / (2 * cell_length_m);
-            way_m += std::min(cell_length_m,
-                              inside_s * (speed_mps[cell] + acceleration_mps2 * inside_s / 2));
+            way_m += std::min(cell_length_m, inside_s * (speed_mps[cell] + acceleration_mps2 * inside_s / 2));
         }
         ways_m.push_back(way_m - before_m);
         before_m = way_m;

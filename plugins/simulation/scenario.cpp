@@ -9,7 +9,11 @@ namespace loopline::simulation {
 namespace {
 
 /// A cart is not turned on the spot.
-constexpr double sharpest_turn_rad = 150 * M_PI / 180;
+constexpr int sharpest_turn_deg = 150;
+
+bool can_be_pushed_along(const Waypoints& route) {
+    return CartPath::sharpest_turn_rad(route) <= sharpest_turn_deg * M_PI / 180;
+}
 
 ParameterTable world_table(FloorPlan& plan, Generator& generator, double& sigma_tilt_rad) {
     return ParameterTable("world", "Walls, in metres: drawn row by row, or by a generator from the seed.")
@@ -20,9 +24,10 @@ ParameterTable world_table(FloorPlan& plan, Generator& generator, double& sigma_
         .real("height_m", plan.height_m, {0.1, 1000}, "Height of the walls, and of the ceiling.")
         .real("door_height_m", plan.door_height_m, {0.1, 1000}, "Above it, a door's wall goes on.")
         .boolean("ceiling", plan.ceiling, "Whether there is one.")
-        .angle("sigma_tilt_deg", sigma_tilt_rad, {0, 5},
-               "Standard deviation of the floor's slope in any direction; it tilts and lifts the vehicle, the "
-               "same wherever that comes back to.")
+        .angle(
+            "sigma_tilt_deg", sigma_tilt_rad, {0, 5},
+            "Standard deviation of the floor's slope in any direction; it tilts and lifts the vehicle, the "
+            "same wherever that comes back to.")
         .rows("wall_m", plan.walls, {4, 2}, "x y x y ...", "A chain of walls from corner to corner.")
         .rows("door_m", plan.doors, {5, 0}, "x1 y1 x2 y2 depth",
               "A part of a wall that is set back to the left of the way from its first to its second point.")
@@ -83,9 +88,10 @@ ParameterTable route_table(std::vector<Row>& waypoints, int& laps, Driving& driv
 }
 
 ParameterTable cart_table(PushSettings& s) {
-    return ParameterTable("cart",
-                          "A cart that a person pushes through the waypoints, if [route] drive = pushed. Speed, "
-                          "acceleration and turn rate have no jumps.")
+    return ParameterTable(
+               "cart",
+               "A cart that a person pushes through the waypoints, if [route] drive = pushed. Speed, "
+               "acceleration and turn rate have no jumps.")
         .real("corner_radius_m", s.corner_radius_m, {0.1, 100},
               "Radius of a bend where it is tightest; less where legs are too short for that.")
         .real("speed_mps", s.speed_mps, {0.05, 10}, "Speed where nothing slows it down.")
@@ -127,6 +133,13 @@ ParameterTable vehicle_table(VehicleSettings& v) {
         .angle("sigma_bump_deg", v.sigma_bump_rad, {0, 90}, "By how much.");
 }
 
+/// The route so many times in a row; the first waypoint of a lap is the last of the one before.
+Waypoints repeated(const Waypoints& route, int laps) {
+    Waypoints all = route;
+    for (int lap = 1; lap < laps; ++lap) all.insert(all.end(), route.begin() + 1, route.end());
+    return all;
+}
+
 }  // namespace
 
 ParameterTable Scenario::simulation_table() {
@@ -141,12 +154,8 @@ ParameterTable Scenario::simulation_table() {
 }
 
 std::vector<ParameterTable> Scenario::tables() {
-    return {simulation_table(),
-            world_table(plan, generator, sigma_tilt_rad),
-            office_table(office),
-            campus_table(campus),
-            route_table(waypoints, laps, driving, driver),
-            cart_table(push),
+    return {simulation_table(),    world_table(plan, generator, sigma_tilt_rad),  office_table(office),
+            campus_table(campus),  route_table(waypoints, laps, driving, driver), cart_table(push),
             vehicle_table(vehicle)};
 }
 
@@ -160,10 +169,10 @@ void Scenario::check_route(std::vector<ScenarioProblem>& problems) const {
     const Waypoints route = drawn_route();
     if (laps > 1 && (route.front() - route.back()).norm() > 0.01)
         problems.push_back({"route", "laps", 0, "needs a last waypoint_m that is the first one"});
-    if (driving == Driving::pushed && CartPath::sharpest_turn_rad(route) > sharpest_turn_rad)
+    if (driving == Driving::pushed && !can_be_pushed_along(repeated(route, std::min(laps, 2))))
         problems.push_back({"route", "drive", 0,
                             "= pushed can't follow a route that turns back by more than " +
-                                number_text(sharpest_turn_rad * 180 / M_PI) + " degrees at a waypoint_m"});
+                                std::to_string(sharpest_turn_deg) + " degrees at a waypoint_m"});
 }
 
 std::vector<ScenarioProblem> Scenario::check() const {
@@ -174,9 +183,10 @@ std::vector<ScenarioProblem> Scenario::check() const {
     for (const auto& p : plan_problems) problems.push_back({"world", p.key, p.row, p.sentence});
     if (!drawn && (!plan.walls.empty() || !plan.boxes.empty() || !plan.partitions.empty() ||
                    !plan.clutter.empty() || !waypoints.empty()))
-        problems.push_back({"world", "generator", 0,
-                            "draws walls and route by itself; remove wall_m, box_m, partition_m, clutter_m and "
-                            "waypoint_m, or set it to none"});
+        problems.push_back(
+            {"world", "generator", 0,
+             "draws walls and route by itself; remove wall_m, box_m, partition_m, clutter_m and "
+             "waypoint_m, or set it to none"});
     if (drawn && waypoints.size() < 2) problems.push_back({"route", "", 0, "needs two waypoint_m at least"});
     for (std::size_t i = 1; drawn && i < waypoints.size(); ++i)
         if (std::hypot(waypoints[i][0] - waypoints[i - 1][0], waypoints[i][1] - waypoints[i - 1][1]) < 0.1)
@@ -192,13 +202,6 @@ std::vector<ScenarioProblem> Scenario::check() const {
 
 namespace {
 
-/// The route so many times in a row; the first waypoint of a lap is the last of the one before.
-Waypoints repeated(const Waypoints& route, int laps) {
-    Waypoints all = route;
-    for (int lap = 1; lap < laps; ++lap) all.insert(all.end(), route.begin() + 1, route.end());
-    return all;
-}
-
 GeneratedPlan make_plan(const Scenario& s) {
     if (s.generator == Generator::office) return make_office(s.office, s.plan.height_m, s.seed);
     if (s.generator == Generator::campus) return make_campus(s.campus, s.seed);
@@ -213,7 +216,7 @@ GeneratedPlan make_plan(const Scenario& s) {
 std::optional<Drive> make_drive(const Scenario& s, const Waypoints& route) {
     const Waypoints all = repeated(route, s.laps);
     if (s.driving == Driving::steered) return drive_route(all, s.drive, s.driver, s.vehicle, s.seed);
-    if (CartPath::sharpest_turn_rad(all) > sharpest_turn_rad)
+    if (!can_be_pushed_along(all))
         throw std::runtime_error("a cart can't be pushed along this route, which turns back on itself");
     return push_along(all, s.push, s.drive, s.vehicle, s.seed);
 }

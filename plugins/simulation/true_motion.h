@@ -58,8 +58,8 @@ class TrueMotion {
                 a.roll_rad + part * (b.roll_rad - a.roll_rad)};
     }
 
-    std::vector<Pose2> poses_;    ///< at the start of each step, and at the end of the last
-    std::vector<Twist2> twists_;  ///< of each step
+    std::vector<Pose2> poses_;          ///< at the start of each step, and at the end of the last
+    std::vector<Twist2> twists_;        ///< of each step
     std::vector<FloorAttitude> floor_;  ///< as poses_; empty: a level floor
     StampNs step_ns_ = 1;
 };

@@ -45,8 +45,7 @@ inline double clearance_m(const simulation::Scene& scene) {
         const Eigen::Vector2d at_m = scene.drive.motion.planar_pose_at(t).translation();
         for (const simulation::Wall& wall : scene.world.walls)
             if (wall.bottom_m < 1)
-                least_m =
-                    std::min(least_m, simulation::distance_to_segment_m(at_m, wall.from_m, wall.to_m));
+                least_m = std::min(least_m, simulation::distance_to_segment_m(at_m, wall.from_m, wall.to_m));
     }
     return least_m;
 }

@@ -41,11 +41,16 @@ std::vector<ImuReading> imu_readings(const std::string& file, std::vector<std::s
     return readings;
 }
 
-const std::vector<std::string> no_errors{"imu.gyro_noise_deg=0",          "imu.gyro_bias_dps=0",
-                                         "imu.gyro_drift_dps=0",          "imu.gyro_scale_error=0",
-                                         "imu.gyro_resolution_dps=0",     "imu.accelerometer_noise_mps=0",
-                                         "imu.accelerometer_bias_mps2=0", "imu.accelerometer_drift_mps2=0",
-                                         "imu.accelerometer_scale_error=0", "imu.accelerometer_resolution_mps2=0"};
+const std::vector<std::string> no_errors{"imu.gyro_noise_deg=0",
+                                         "imu.gyro_bias_dps=0",
+                                         "imu.gyro_drift_dps=0",
+                                         "imu.gyro_scale_error=0",
+                                         "imu.gyro_resolution_dps=0",
+                                         "imu.accelerometer_noise_mps=0",
+                                         "imu.accelerometer_bias_mps2=0",
+                                         "imu.accelerometer_drift_mps2=0",
+                                         "imu.accelerometer_scale_error=0",
+                                         "imu.accelerometer_resolution_mps2=0"};
 
 /// Strapdown integration by the book: rotation vectors, and velocity increments in the middle of each.
 class Strapdown {
@@ -74,8 +79,8 @@ class Strapdown {
 };
 
 /// Readings of a triad at rest, one axis of them.
-std::vector<double> at_rest(const TriadSettings& settings, double rate_hz, std::size_t count, std::uint64_t seed,
-                            double truth = 0) {
+std::vector<double> at_rest(const TriadSettings& settings, double rate_hz, std::size_t count,
+                            std::uint64_t seed, double truth = 0) {
     Triad triad(settings, rate_hz, RandomStream(seed, "triad"));
     std::vector<double> values;
     while (values.size() < count) values.push_back(triad.measured(Eigen::Vector3d::Constant(truth)).y());
@@ -107,7 +112,8 @@ TEST(SimulatedImu, at_rest_it_feels_gravity_alone) {
 }
 
 TEST(SimulatedImu, on_a_circle_it_feels_the_pull_of_its_own_place) {
-    // Radius 2 m at 0.5 rad/s to the left; the unit 0.3 m ahead of the middle of the axle and turned by 90 degrees.
+    // Radius 2 m at 0.5 rad/s to the left; the unit 0.3 m ahead of the middle of the axle and turned by 90
+    // degrees.
     const Pose3 T_base_imu({0.3, 0, 0},
                            Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ())));
     const auto T_map_imu = [&](StampNs t) {
@@ -132,14 +138,16 @@ TEST(SimulatedImu, without_errors_its_readings_lead_along_the_true_path) {
     for (std::size_t i = 1; i < readings.size(); ++i) {
         const ImuReading &before = readings[i - 1], &now = readings[i];
         by_interval.step(now.omega_radps, now.force_mps2, dt_s);
-        by_stamp.step((before.omega_radps + now.omega_radps) / 2, (before.force_mps2 + now.force_mps2) / 2, dt_s);
+        by_stamp.step((before.omega_radps + now.omega_radps) / 2, (before.force_mps2 + now.force_mps2) / 2,
+                      dt_s);
         const Pose3 at_end = truth(now.time_ns + 2'500'000), at_stamp = truth(now.time_ns);
         worst_interval_m =
             std::max(worst_interval_m, (by_interval.pose().translation_m - at_end.translation_m).norm());
-        worst_stamp_m = std::max(worst_stamp_m, (by_stamp.pose().translation_m - at_stamp.translation_m).norm());
-        worst_heading_rad = std::max({worst_heading_rad,
-                                      by_interval.pose().rotation.angularDistance(at_end.rotation),
-                                      by_stamp.pose().rotation.angularDistance(at_stamp.rotation)});
+        worst_stamp_m =
+            std::max(worst_stamp_m, (by_stamp.pose().translation_m - at_stamp.translation_m).norm());
+        worst_heading_rad =
+            std::max({worst_heading_rad, by_interval.pose().rotation.angularDistance(at_end.rotation),
+                      by_stamp.pose().rotation.angularDistance(at_stamp.rotation)});
     }
     EXPECT_GT(readings.size(), 45000u);
     EXPECT_LT(worst_interval_m, 0.01);
@@ -155,7 +163,8 @@ TEST(SimulatedImu, with_its_errors_free_inertial_navigation_is_lost_within_a_min
     const auto readings = imu_readings(dataset("cart_loops.ini"), {}, scene);
     Strapdown free(scene->drive.motion.pose_at(0));
     for (std::size_t i = 0; i < 12000; ++i) free.step(readings[i].omega_radps, readings[i].force_mps2, 0.005);
-    EXPECT_GT((free.pose().translation_m - scene->drive.motion.pose_at(60'000'000'000).translation_m).norm(), 10);
+    EXPECT_GT((free.pose().translation_m - scene->drive.motion.pose_at(60'000'000'000).translation_m).norm(),
+              10);
 }
 
 TEST(SimulatedImu, noise_is_white_with_the_density_asked_for) {
