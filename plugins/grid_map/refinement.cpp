@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 
 namespace loopline::grid_map {
 namespace {
@@ -23,7 +22,7 @@ class NearbySurfaces {
 
     /// A piece at `dx`, `dy` from the return.
     void add(float dx, float dy, float nx, float ny, float weight) {
-        if (count_ == pieces_.size()) return;
+        if (count_ == pieces_.size()) return;  // plenty
         const float d2 = dx * dx + dy * dy;
         if (d2 < nearest2_) {
             nearest2_ = d2;
@@ -132,7 +131,7 @@ struct NormalEquations {
 
 /// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p).
 template <class Surfaces>
-NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const std::vector<float>& weights, const Pose2& T,
+NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const std::vector<float>& worth, const Pose2& T,
                           const RefinementSettings& settings) {
     NormalEquations sums;
     const double c = std::cos(T.phi_rad), s = std::sin(T.phi_rad), per_sigma2 = 1 / (settings.sigma_m * settings.sigma_m);
@@ -147,7 +146,7 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
         if (!surface.found) continue;
         const double e = surface.normal_map.dot(p_map - surface.p_map_m);
         // Cauchy's weight: what is three sigmas off counts a tenth.
-        const double w = static_cast<double>(weights[i]) * per_sigma2 / (1 + e * e * per_sigma2);
+        const double w = static_cast<double>(worth[i]) * per_sigma2 / (1 + e * e * per_sigma2);
         const Eigen::Vector3d j(surface.normal_map.x(), surface.normal_map.y(),
                                 -surface.normal_map.x() * turned.y() + surface.normal_map.y() * turned.x());
         sums.information += w * j * j.transpose();
@@ -158,18 +157,24 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
     return sums;
 }
 
-/// A wall errs as a whole over some length: returns closer together than that share one voice.
-void independence(const Frame& frame, double correlation_m, std::vector<float>& weights) {
-    weights.assign(frame.points.size(), 1);
-    static const double SA=getenv("SANG")?atof(getenv("SANG"))*M_PI/180:0, SR=getenv("SRNG")?atof(getenv("SRNG")):0; 
-    if (SA>0||SR>0) for (std::size_t i=0;i<frame.points.size();++i){ Eigen::Vector2f d=frame.points[i].p_base_m-frame.p_base_sensor_m; float r=d.norm(); float c=frame.points[i].normal_base.dot(d)/r; float e2=r*r*SA*SA*(1-c*c)+SR*SR*r*r; weights[i]=1/(1+e2/0.0009F);}
-    if (correlation_m <= 0) return;
-    for (std::size_t i = 0; i < frame.points.size(); ++i) {
-        float along = 0;
-        int sides = 0;
-        if (i > 0) along += (frame.points[i].p_base_m - frame.points[i - 1].p_base_m).norm(), ++sides;
-        if (i + 1 < frame.points.size()) along += (frame.points[i + 1].p_base_m - frame.points[i].p_base_m).norm(), ++sides;
-        if (sides > 0) weights[i] *= std::min(1.0F, along / static_cast<float>(sides) / static_cast<float>(correlation_m));
+/// What each return is worth beside one at right angles to its wall: less where an error of the beam's angle moves it away
+/// from the wall, and less where returns are so close together along a wall that they err together.
+void worth_of_returns(const Frame& frame, const RefinementSettings& settings, std::vector<float>& worth) {
+    const auto& points = frame.points;
+    worth.assign(points.size(), 1);
+    const auto per_sigma2 = static_cast<float>(1 / (settings.sigma_m * settings.sigma_m)),
+               sigma_angle = static_cast<float>(settings.sigma_angle_rad),
+               per_correlation = static_cast<float>(settings.correlation_m > 0 ? 1 / settings.correlation_m : 1e9);
+    float before_m = -1;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Eigen::Vector2f beam = points[i].p_base_m - frame.p_base_sensor_m;
+        const float range2 = beam.squaredNorm(), across = points[i].normal_base.dot(beam);
+        const float sideways_m = sigma_angle * std::sqrt(std::max(0.0F, range2 - across * across));
+        const float after_m = i + 1 < points.size() ? (points[i + 1].p_base_m - points[i].p_base_m).norm() : -1;
+        const float spacing_m = before_m < 0 ? after_m : after_m < 0 ? before_m : (before_m + after_m) / 2;
+        worth[i] = 1 / (1 + sideways_m * sideways_m * per_sigma2);
+        if (spacing_m >= 0) worth[i] *= std::min(1.0F, spacing_m * per_correlation);
+        before_m = after_m;
     }
 }
 
@@ -178,12 +183,12 @@ ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map
                 const Eigen::Matrix3d& prior_information, const RefinementSettings& settings) {
     ScanFit result;
     result.T_map_base = T_map_start;
-    thread_local std::vector<float> weights;
-    independence(frame, settings.correlation_m, weights);
+    thread_local std::vector<float> worth;
+    worth_of_returns(frame, settings, worth);
     NormalEquations sums;
     for (int i = 0; i < settings.iterations; ++i) {
         Pose2& T = result.T_map_base;
-        sums = linearise(surfaces, frame, weights, T, settings);
+        sums = linearise(surfaces, frame, worth, T, settings);
         if (i == 3 && sums.used < settings.give_up_fit * sums.of) break;
         const Eigen::Vector3d off(T_map_prior.x_m - T.x_m, T_map_prior.y_m - T.y_m, wrap_to_pi(T_map_prior.phi_rad - T.phi_rad));
         const Eigen::Matrix3d information = sums.information + prior_information;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
 #include "grid_map/frame.h"
 #include "grid_map/scan_grid.h"
@@ -12,12 +13,13 @@
 namespace loopline::grid_map {
 
 struct RefinementSettings {
-    double sigma_m = 0.03;       ///< of a return about the map's surface
+    double sigma_m = 0.02;       ///< of a return about the map's surface, along the beam
+    double sigma_angle_rad = 0.3 * M_PI / 180;  ///< of the beam's direction, its width included
     double reach_m = 0.15;       ///< farther surfaces are not of a return
     int iterations = 10;
     double enough_m = 5e-4, enough_rad = 1e-4;  ///< a smaller step is the last one
     double give_up_fit = 0;      ///< a fit that is worse than this after three iterations is no fit
-    double correlation_m = 0.2;  ///< returns as close together along a wall err together
+    double correlation_m = 0.1;   ///< returns as close together along a wall err together
 };
 
 /// What the scan says about its pose, at the pose where prior and scan agree best.

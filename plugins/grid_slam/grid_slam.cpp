@@ -27,8 +27,8 @@ Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double phi_rad) {
 GridSlam::GridSlam(const GridSlamSettings& settings)
     : settings_(settings), active_(active_grid(settings), settings.active), linker_(settings.links), loops_(settings.loops) {}
 
-ScanPose GridSlam::add(const PlanarScan& scan, const Motion& motion) {
-    grid_map::make_frame(scan, settings_.frame, frame_);
+ScanPose GridSlam::add(const PlanarScan& scan, const Motion& motion, const grid_map::SweepMotion& sweep) {
+    grid_map::make_frame(scan, sweep, settings_.frame, frame_);
     ScanPose result;
     if (places_.empty()) {
         ForwardMatch first;

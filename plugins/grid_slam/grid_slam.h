@@ -23,8 +23,8 @@ struct GridSlamSettings {
     LinkSettings links;
     LoopSettings loops;
     GraphSettings graph;
-    double frame_way_m = 0.15;                 ///< a scan so far from all frames of the map becomes one
-    double frame_turn_rad = 5 * M_PI / 180;    ///< or one so turned
+    double frame_way_m = 0.1;                  ///< a scan so far from all frames of the map becomes one
+    double frame_turn_rad = 3 * M_PI / 180;    ///< or one so turned
     double new_fit = 0.8;                      ///< or one that fits worse than this
     double choose_every_m = 1;                 ///< way after which the active map is chosen anew
     double relink_m = 4;                       ///< way before a loop whose frames are linked to the old map
@@ -47,7 +47,8 @@ class GridSlam {
     explicit GridSlam(const GridSlamSettings& settings);
 
     /// The next scan, and how the vehicle moved since the one before, along the axes of its pose then.
-    ScanPose add(const PlanarScan& scan, const Motion& motion);
+    /// `sweep`: its motion from the first beam of this scan to the last.
+    ScanPose add(const PlanarScan& scan, const Motion& motion, const grid_map::SweepMotion& sweep = {});
     /// End of the log: what is under way is finished, and all poses are fitted once more.
     void finish();
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "api/observation_class.h"
+#include "odometry/twist2.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(GridSlamModule, Module, loopline)
@@ -79,6 +80,13 @@ void GridSlamModule::drain(Publisher& publisher) {
     waiting_.clear();
 }
 
+/// As the vehicle moved since the scan before.
+grid_map::SweepMotion GridSlamModule::sweep(const Pose2& T_before_now, double since_before_s) const {
+    if (scan_duration_s_ == 0 || !(since_before_s > 0)) return {};
+    const Twist2 twist = log_se2(T_before_now) * (scan_duration_s_ / since_before_s);
+    return {twist.forward_m, twist.left_m, twist.turn_rad};
+}
+
 void GridSlamModule::estimate(const Scan& scan, Publisher& publisher) {
     if (!to_planar_scan(*scan.observation, beams_)) {
         ++unusable_;
@@ -88,7 +96,8 @@ void GridSlamModule::estimate(const Scan& scan, Publisher& publisher) {
     Motion motion;
     if (T_odom_base_) motion = wheel_motion(T_odom_base_->inverse() * scan.T_odom_base.value_or(*T_odom_base_), wheels_);
     if (scan.T_odom_base) T_odom_base_ = scan.T_odom_base;
-    const ScanPose pose = slam_->add(beams_, motion);
+    const ScanPose pose = slam_->add(beams_, motion, sweep(motion.T_before_now, seconds_between(stamp_ns_, scan.stamp_ns)));
+    stamp_ns_ = scan.stamp_ns;
     online_.push_back({scan.sequence, scan.stamp_ns, pose.T_map_base});
     const auto published = pose_observation(pose.T_map_base, pose.covariance);
     published->timestamp = scan.observation->timestamp;

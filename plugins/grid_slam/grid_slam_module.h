@@ -51,6 +51,7 @@ class GridSlamModule : public Module {
 
     bool is_wanted(const std::string& label) const;
     void take_odometry(const StreamItem& item);
+    grid_map::SweepMotion sweep(const Pose2& T_before_now, double since_before_s) const;
     void estimate(const Scan& scan, Publisher& publisher);
     void lay_out_trajectory();
     void report_loops(Results& results) const;
@@ -59,11 +60,13 @@ class GridSlamModule : public Module {
     grid_slam::WheelNoise wheels_;
     std::vector<std::string> sensors_;
     bool loops_ = true;
+    double scan_duration_s_ = 0;
 
     // The state: all that a break between two scans must keep.
     std::unique_ptr<grid_slam::GridSlam> slam_;
     std::deque<Scan> waiting_;  ///< by sequence
     std::optional<Pose2> T_odom_base_;  ///< at the latest scan
+    StampNs stamp_ns_ = 0;              ///< of it
     std::deque<OnlinePose> online_;
     std::int64_t without_odometry_ = 0, unusable_ = 0;
 

@@ -116,7 +116,7 @@ void fields(Archive& archive, GridSlamModule& m) {
         else
             a.archive().WriteObject(*scan.observation);
     });
-    archive(m.T_odom_base_);
+    archive(m.T_odom_base_, m.stamp_ns_);
     archive.each(m.online_, [](auto& a, auto& pose) { a(pose.sequence, pose.stamp_ns, pose.T_map_base); });
     archive(m.without_odometry_, m.unusable_);
 }

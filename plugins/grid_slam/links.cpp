@@ -6,11 +6,21 @@
 
 namespace loopline::grid_slam {
 
+/// Of frame `from` and those beside it, in its own frame. What was taken at about the same time as `to` is of no use.
+void Linker::take_surfaces(const MapFrames& map, std::uint32_t from, std::uint32_t to) {
+    const std::uint32_t first = from - std::min(from, settings_.beside),
+                        last = std::min({from + settings_.beside, map.last(), from < to ? to - 1 : map.last()});
+    const Pose2 T_from_map = map.poses[from].inverse();
+    surfaces_.clear();
+    for (std::uint32_t frame = first; frame <= last; ++frame)
+        if (frame != to && std::abs(map.path_m[frame] - map.path_m[from]) <= settings_.beside_m)
+            surfaces_.add(map.frames[frame], T_from_map * map.poses[frame]);
+    surfaces_.finish();
+}
+
 std::optional<Constraint> Linker::match(const MapFrames& map, std::uint32_t from, std::uint32_t to) {
     ++tried_;
-    surfaces_.clear();
-    surfaces_.add(map.frames[from], Pose2{});
-    surfaces_.finish();
+    take_surfaces(map, from, to);
     const Pose2 T_from_to = map.poses[from].inverse() * map.poses[to];
     // Where the scans leave a direction open, it stays about where it is.
     const Eigen::Matrix3d weak = Eigen::Vector3d(1 / 0.25, 1 / 0.25, 1 / 0.01).asDiagonal();

@@ -16,11 +16,13 @@
 namespace loopline::grid_slam {
 
 struct LinkSettings {
-    std::array<std::uint32_t, 4> steps_back{1, 3, 8, 20};  ///< among the frames taken before
+    std::array<std::uint32_t, 2> steps_back{1, 5};  ///< among the frames taken before
+    std::uint32_t beside = 2;       ///< frames before and after the other one whose surfaces are taken with it
+    double beside_m = 0.5;          ///< if no longer a way lies between
     double max_distance_m = 4;      ///< between the places of two frames
     double earlier_m = 5;           ///< way of the vehicle since a frame, from which on it is of an earlier visit
     double visit_m = 2;             ///< way between two frames of different visits
-    int visits = 3;                 ///< earlier visits that a frame is matched with
+    int visits = 2;                 ///< earlier visits that a frame is matched with
     double min_fit = 0.5;           ///< part of the returns on a surface of the other frame
     int min_returns = 25;           ///< and how many there must be
     grid_map::RefinementSettings refinement;
@@ -41,6 +43,7 @@ class Linker {
     template <class Archive>
     friend void fields(Archive&, Linker&);
     static constexpr double bucket_m = 0.2;
+    void take_surfaces(const MapFrames& map, std::uint32_t from, std::uint32_t to);
     std::vector<std::uint32_t> earlier_visits(const MapFrames& map, const ActiveMap& active, std::uint32_t frame) const;
 
     LinkSettings settings_;

@@ -31,7 +31,7 @@ inline Motion operator*(const Motion& a_b, const Motion& b_c) {
 struct WheelNoise {
     double sigma_rest_m = 0.02;                         ///< without any motion
     double sigma_way_m = 0.1;                           ///< after 1 m
-    double sigma_rest_rad = 0.6 * M_PI / 180;           ///< without any motion
+    double sigma_rest_rad = 2 * M_PI / 180;           ///< without any motion
     double sigma_turn = 0.1;                            ///< of a turn, as a part of it
     double sigma_way_rad = 3 * M_PI / 180;              ///< after 1 m
 };
