@@ -19,13 +19,13 @@ std::optional<Eigen::Vector3d> vector_of(const mrpt::obs::CObservationIMU& obser
 
 }  // namespace
 
-std::optional<ImuSample> sample_from_mrpt(const mrpt::obs::CObservationIMU& observation, StampNs stamp_ns) {
+std::optional<ImuReading> reading_from_mrpt(const mrpt::obs::CObservationIMU& observation, StampNs stamp_ns) {
     using namespace mrpt::obs;
     const auto omega_imu_radps = vector_of(observation, {IMU_WX, IMU_WY, IMU_WZ});
     const auto force_imu_mps2 = vector_of(observation, {IMU_X_ACC, IMU_Y_ACC, IMU_Z_ACC});
     if (!omega_imu_radps || !force_imu_mps2) return std::nullopt;
-    const Eigen::Matrix3d R_base_imu = observation.sensorPose.getRotationMatrix().asEigen();
-    return ImuSample{stamp_ns, R_base_imu * *omega_imu_radps, R_base_imu * *force_imu_mps2};
+    return ImuReading{stamp_ns, *omega_imu_radps, *force_imu_mps2,
+                      observation.sensorPose.getRotationMatrix().asEigen()};
 }
 
 Eigen::Vector3d p_base_imu_m(const mrpt::obs::CObservationIMU& observation) {

@@ -13,9 +13,12 @@ namespace loopline::test {
 /// Heading and speed are sums of sines, the velocity is along the heading. The position is their integral.
 struct SmoothDrive {
     double gravity_mps2 = 9.80665;
+    double turning_radps = 0.3;  ///< how quickly left and right follow each other
 
-    double heading_rad(double t_s) const { return 0.9 * std::sin(0.3 * t_s) + 0.1 * t_s; }
-    double heading_rate_radps(double t_s) const { return 0.27 * std::cos(0.3 * t_s) + 0.1; }
+    double heading_rad(double t_s) const { return 0.9 * std::sin(turning_radps * t_s) + 0.1 * t_s; }
+    double heading_rate_radps(double t_s) const {
+        return 0.9 * turning_radps * std::cos(turning_radps * t_s) + 0.1;
+    }
     double speed_mps(double t_s) const { return 1 + 0.4 * std::sin(0.5 * t_s); }
     double acceleration_mps2(double t_s) const { return 0.2 * std::cos(0.5 * t_s); }
     Eigen::Vector3d v_map_mps(double t_s) const {

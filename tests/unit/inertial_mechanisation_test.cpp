@@ -111,12 +111,14 @@ TEST(InertialSample, is_turned_to_the_axes_of_the_vehicle) {
     observation.set(IMU_WZ, 3);
     observation.set(IMU_X_ACC, 0.5);
     observation.set(IMU_Y_ACC, 9.8);
-    EXPECT_FALSE(sample_from_mrpt(observation, 5));
+    EXPECT_FALSE(reading_from_mrpt(observation, 5));
     observation.set(IMU_Z_ACC, 0.25);
-    const auto sample = sample_from_mrpt(observation, 5);
-    ASSERT_TRUE(sample);
-    EXPECT_EQ(sample->stamp_ns, 5);
-    EXPECT_LT((sample->omega_base_radps - Eigen::Vector3d(1, -3, 2)).norm(), 1e-12);
-    EXPECT_LT((sample->specific_force_base_mps2 - Eigen::Vector3d(0.5, -0.25, 9.8)).norm(), 1e-12);
+    const auto reading = reading_from_mrpt(observation, 5);
+    ASSERT_TRUE(reading);
+    EXPECT_EQ(reading->omega_imu_radps, Eigen::Vector3d(1, 2, 3));
+    const ImuSample sample = reading->along_base();
+    EXPECT_EQ(sample.stamp_ns, 5);
+    EXPECT_LT((sample.omega_base_radps - Eigen::Vector3d(1, -3, 2)).norm(), 1e-12);
+    EXPECT_LT((sample.specific_force_base_mps2 - Eigen::Vector3d(0.5, -0.25, 9.8)).norm(), 1e-12);
     EXPECT_LT((p_base_imu_m(observation) - Eigen::Vector3d(0.1, 0.2, 0.3)).norm(), 1e-12);
 }
