@@ -42,6 +42,7 @@ void LogSurvey::add(const StreamItem& item) {
     ++sensor.count;
     if (const auto* scan = dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(&observation))
         sensor.empty_scans += !to_planar_scan(*scan, scan_) || scan_.returns() == 0;
+    imus_.add(item);
 }
 
 std::vector<std::string> LogSurvey::complaints() const {
@@ -49,6 +50,8 @@ std::vector<std::string> LogSurvey::complaints() const {
     constexpr StampNs gap_in_steps = 10, shortest_gap_ns = 1'000'000'000;
     std::vector<std::string> sentences;
     for (const auto& [key, sensor] : sensors_) {
+        if (key.first == "CObservationIMU" && imus_.looks_at(key.second))
+            continue;  // its own check says more
         const std::string name = sensor_name(key);
         const StampNs usual_ns = sensor.median_step_ns();
         if (sensor.longest_gap_ns > std::max(shortest_gap_ns, gap_in_steps * usual_ns))
@@ -62,6 +65,8 @@ std::vector<std::string> LogSurvey::complaints() const {
             sentences.push_back(name + " has " + std::to_string(sensor.empty_scans) +
                                 " scans without a usable return");
     }
+    const auto of_imus = imus_.complaints(earliest_ns_);
+    sentences.insert(sentences.end(), of_imus.begin(), of_imus.end());
     return sentences;
 }
 

@@ -1,5 +1,5 @@
 /// What a log holds, sensor by sensor, for a person who is about to run on it: counts, rates, gaps, empty
-/// scans.
+/// scans, IMUs that can't be right.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 
 #include "api/module.h"
 #include "api/planar_scan.h"
+#include "commands/imu_survey.h"
 
 namespace loopline {
 
@@ -42,6 +43,7 @@ class LogSurvey {
     std::map<std::pair<std::string, std::string>, SensorSurvey> sensors_;
     StampNs earliest_ns_ = 0, latest_ns_ = 0;
     PlanarScan scan_;
+    ImuSurvey imus_;
 };
 
 /// `CObservation2DRangeScan "FLASER"`
