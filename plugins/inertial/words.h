@@ -14,11 +14,13 @@ inline std::string digits(double value, int significant = 3) {
     std::snprintf(text.data(), text.size(), "%.*g", significant, value);
     return text.data();
 }
-/// With so many decimals: "0.091".
+/// With so many decimals: "0.091"; zero has no sign.
 inline std::string decimals(double value, int places) {
     std::array<char, 64> text{};
     std::snprintf(text.data(), text.size(), "%.*f", places, value);
-    return text.data();
+    const std::string number = text.data();
+    return number.find_first_not_of("-0.") == std::string::npos && number[0] == '-' ? number.substr(1)
+                                                                                    : number;
 }
 inline std::string decimals(const Eigen::Vector3d& v, int places) {
     return "(" + decimals(v.x(), places) + ", " + decimals(v.y(), places) + ", " + decimals(v.z(), places) +
