@@ -91,18 +91,20 @@ Agreement HeadingAgreement::result() const {
 /// ("sandwich" of White 1980): noise that lasts, and models that are not quite right, are in it.
 void HeadingAgreement::measure_lag(const LagSums& total, Agreement& agreement) const {
     constexpr std::size_t fewest_stretches = 3;
-    const auto parabola = parabola_at_peak(total, agreement.peak);
-    if (!parabola || parabola->curvature <= 0 || stretches_.size() < fewest_stretches) return;
-    const double from_peak = -parabola->slope / parabola->curvature;
+    const auto middle = middle_of_peak(total, agreement.peak);
+    if (!middle || stretches_.size() < fewest_stretches) return;
+    const LagParabola parabola = parabola_around(*middle, total, agreement.peak);
+    const double from_middle = -parabola.slope / parabola.curvature;
     double squares = 0;
     for (const auto& stretch : stretches_) {
-        const auto part = parabola_at_peak(stretch, agreement.peak);
-        const double slope = part->slope + part->curvature * from_peak;
+        const LagParabola part = parabola_around(*middle, stretch, agreement.peak);
+        const double slope = part.slope + part.curvature * from_middle;
         squares += slope * slope;
     }
     const auto n = static_cast<double>(stretches_.size());
-    agreement.gyro_later_s = cell_s * (agreement.peak.cells + from_peak);
-    agreement.gyro_later_sigma_s = cell_s * std::sqrt(squares * n / (n - 1)) / parabola->curvature;
+    agreement.stretches = static_cast<int>(stretches_.size());
+    agreement.gyro_later_s = cell_s * (*middle + from_middle);
+    agreement.gyro_later_sigma_s = cell_s * std::sqrt(squares * n / (n - 1)) / parabola.curvature;
 }
 
 }  // namespace loopline::inertial

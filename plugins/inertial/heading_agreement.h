@@ -21,6 +21,7 @@ struct Agreement {
     /// at all.
     std::optional<double> gyro_later_s;
     double gyro_later_sigma_s = 0;
+    int stretches = 0;  ///< from whose scatter that is
 };
 
 class HeadingAgreement {

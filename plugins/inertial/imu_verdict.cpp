@@ -50,12 +50,19 @@ std::string scale_complaint(double scale) {
            "known angle";
 }
 
+/// So many standard errors, known from the scatter of n values, are passed by chance as rarely as three of a
+/// normal variable: Student's quantile, within a tenth from n = 4 on.
+double three_sigma(int n) {
+    const double freedom = n - 1;
+    return 3 * (1 + 2.7 / freedom + 8 / (freedom * freedom));
+}
+
 /// Empty if there is none worth a sentence.
 std::string offset_complaint(const Agreement& agreement) {
     constexpr double worth_a_look_s = 0.01, known_well_s = 0.02;
     if (!agreement.gyro_later_s || agreement.gyro_later_sigma_s > known_well_s) return {};
     const double later_s = *agreement.gyro_later_s, sigma_s = agreement.gyro_later_sigma_s;
-    if (std::abs(later_s) < std::max(worth_a_look_s, 3 * sigma_s)) return {};
+    if (std::abs(later_s) < std::max(worth_a_look_s, three_sigma(agreement.stretches) * sigma_s)) return {};
     return "shows turns " + decimals(std::abs(later_s), 3) + " +- " + decimals(sigma_s, 3) + " s " +
            (later_s > 0 ? "after" : "before") +
            " the odometry does: the stamps of one of the two are shifted by that; correct it when the log "

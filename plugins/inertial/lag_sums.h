@@ -47,18 +47,24 @@ struct LagSums {
 struct LagPeak {
     int axis = 2;  ///< of the gyro
     int cells = 0;
+    int half_width = 0;  ///< so far to either side the correlation stays near its greatest
     Eigen::Array3d correlation = Eigen::Array3d::Zero();  ///< of each axis there
     Eigen::Vector3d slope = Eigen::Vector3d::Zero();      ///< of each axis: gyro = slope * odometry + offset
     Eigen::Vector3d offset_radps = Eigen::Vector3d::Zero();
 };
 LagPeak find_peak(const LagSums& sums);
 
-/// Squares of gyro - slope * odometry - offset as a parabola of the lag x, in cells from that of the peak:
-/// constant + slope x + curvature x^2 / 2. By least squares over lags near it.
+/// Squares of gyro - slope * odometry - offset as a parabola of x = lag - `middle`, in cells: constant +
+/// slope x + curvature x^2 /
+/// 2. By least squares over the peak's width.
 struct LagParabola {
     double slope = 0, curvature = 0;
 };
-/// None if the peak is so near the ends of the table that it may lie beyond.
-std::optional<LagParabola> parabola_at_peak(const LagSums& sums, const LagPeak& peak);
+/// `middle` is within `reach` of 0 by a few cells at least.
+LagParabola parabola_around(int middle, const LagSums& sums, const LagPeak& peak);
+
+/// The middle around which the parabola of `sums` has its top within a cell; none if the peak is so near the
+/// ends of the table that it may lie beyond, or too noisy to have a top.
+std::optional<int> middle_of_peak(const LagSums& sums, const LagPeak& peak);
 
 }  // namespace loopline::inertial

@@ -18,6 +18,7 @@ constexpr StampNs log_start_ns = 1'000'000'000'000;
 /// A drive of a minute or more, an IMU at 100 Hz, odometry at 10 Hz.
 struct CheckedLog {
     double duration_s = 60;
+    double turning_radps = 1;
     double gyro_later_s = 0;
     Eigen::Matrix3d R_base_imu = Eigen::Matrix3d::Identity();  ///< how it is really mounted
     Eigen::Vector3d gyro_bias_radps{0.002, -0.001, 0.003};
@@ -29,7 +30,7 @@ struct CheckedLog {
 
     ImuCheck check() const {
         test::SmoothDrive drive;
-        drive.turning_radps = 1;
+        drive.turning_radps = turning_radps;
         double heading_error_rad = 0;
         std::mt19937_64 random(seed);
         std::normal_distribution<double> normal;
@@ -84,6 +85,17 @@ TEST(ImuCheck, nothing_is_wrong_with_a_good_one) {
         EXPECT_EQ(log.complaints(), std::vector<std::string>());
         log.with_odometry = false;
         EXPECT_EQ(log.complaints(), std::vector<std::string>());
+    }
+}
+
+TEST(ImuCheck, no_time_offset_is_made_up_where_turns_are_slow_and_wheels_slip) {
+    for (const double duration_s : {45, 120}) {
+        CheckedLog log;
+        log.duration_s = duration_s;
+        log.turning_radps = 0.3;
+        log.heading_walk_rad = 0.003;
+        for (log.seed = 200; log.seed < 220; ++log.seed)
+            EXPECT_EQ(log.complaints(), std::vector<std::string>()) << log.seed;
     }
 }
 
