@@ -5,19 +5,28 @@
 namespace loopline::inertial {
 namespace {
 
-AlignmentStatus status_of(const ImuMean& mean, const Mechanisation& mechanisation,
-                          const AlignmentSettings& settings) {
+bool shakes(const ImuMean& mean, const AlignmentSettings& settings) {
+    return mean.omega_sigma_radps.maxCoeff() > settings.still_gyro_radps ||
+           mean.specific_force_sigma_mps2.maxCoeff() > settings.still_accelerometer_mps2;
+}
+
+bool turns(const ImuMean& mean, const AlignmentSettings& settings) {
+    return mean.omega_base_radps.cwiseAbs().maxCoeff() > settings.largest_gyro_bias_radps;
+}
+
+bool is_long_enough(const ImuMean& mean, const AlignmentSettings& settings) {
     constexpr double rounding_of_stamps = 0.98;  // the last reading comes up to one step before the full time
     constexpr std::size_t fewest_readings = 10;
-    if (mean.duration_s < rounding_of_stamps * settings.duration_s || mean.count < fewest_readings)
-        return AlignmentStatus::too_short;
-    if (mean.omega_sigma_radps.maxCoeff() > settings.still_gyro_radps ||
-        mean.specific_force_sigma_mps2.maxCoeff() > settings.still_accelerometer_mps2)
-        return AlignmentStatus::moving;
-    if (mean.omega_base_radps.cwiseAbs().maxCoeff() > settings.largest_gyro_bias_radps)
-        return AlignmentStatus::turning;
-    if (std::abs(mean.specific_force_base_mps2.norm() - mechanisation.gravity_mps2) >
-        settings.gravity_tolerance_mps2)
+    return mean.duration_s >= rounding_of_stamps * settings.duration_s && mean.count >= fewest_readings;
+}
+
+AlignmentStatus status_of(const ImuMean& mean, const Mechanisation& mechanisation,
+                          const AlignmentSettings& settings) {
+    if (!is_long_enough(mean, settings)) return AlignmentStatus::too_short;
+    if (shakes(mean, settings)) return AlignmentStatus::moving;
+    if (turns(mean, settings)) return AlignmentStatus::turning;
+    const double force_mps2 = mean.specific_force_base_mps2.norm();
+    if (std::abs(force_mps2 - mechanisation.gravity_mps2) > settings.gravity_tolerance_mps2)
         return AlignmentStatus::wrong_gravity;
     return AlignmentStatus::aligned;
 }
@@ -59,6 +68,10 @@ ErrorMatrix covariance_of(const ImuMean& mean, const Eigen::Quaterniond& q_map_b
 }
 
 }  // namespace
+
+bool stands_still(const ImuMean& mean, const AlignmentSettings& settings) {
+    return is_long_enough(mean, settings) && !shakes(mean, settings) && !turns(mean, settings);
+}
 
 std::string words(AlignmentStatus status) {
     switch (status) {

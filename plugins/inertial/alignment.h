@@ -35,6 +35,10 @@ struct ImuMean {
     Eigen::Vector3d specific_force_sigma_mps2 = Eigen::Vector3d::Zero();
 };
 
+/// Whether nothing shakes or turns. A steady straight motion looks the same: where there are wheels, ask them
+/// too.
+bool stands_still(const ImuMean& mean, const AlignmentSettings& settings);
+
 enum class AlignmentStatus { aligned, too_short, moving, turning, wrong_gravity };
 /// A clause to put after "no alignment: ", with what to do.
 std::string words(AlignmentStatus status);

@@ -84,8 +84,10 @@ TEST(InertialAlignment, its_covariance_is_the_spread_of_its_errors) {
 TEST(InertialAlignment, says_why_not) {
     Parked brief, shaking, turning, in_g;
     brief.duration_s = 1;
+    EXPECT_TRUE(stands_still(Parked().window().mean(), {}));
     EXPECT_EQ(brief.result().status, AlignmentStatus::too_short);
     shaking.accelerometer_noise_mps2 = 0.6;
+    EXPECT_FALSE(stands_still(shaking.window().mean(), {}));
     EXPECT_EQ(shaking.result().status, AlignmentStatus::moving);
     turning.gyro_bias_radps.z() = 0.3;
     EXPECT_EQ(turning.result().status, AlignmentStatus::turning);
