@@ -56,8 +56,8 @@ void HeadingAgreement::compare() {
 void HeadingAgreement::compare_cell(std::int64_t cell) {
     LagSums::Table gyro_radps;
     for (int lag = -LagSums::reach; lag <= LagSums::reach; ++lag)
-        gyro_radps.row(lag + LagSums::reach) = gyro_.rate_radps(cell + lag).transpose().array();
-    stretch_.add(odometry_.rate_radps(cell)(0), gyro_radps);
+        gyro_radps.row(lag + LagSums::reach) = gyro_.rate(cell + lag).transpose().array();
+    stretch_.add(odometry_.rate(cell)(0), gyro_radps);
     if (stretch_.n >= cells_of_stretch_) close_stretch();
 }
 

@@ -14,6 +14,7 @@ void ImuCheck::add_imu(const ImuReading& reading) {
     force_sum_base_mps2_ += sample.specific_force_base_mps2;
     add_to_second(sample);
     agreement_.add_gyro(sample.stamp_ns, sample.omega_base_radps);
+    travel_.add_imu(sample.stamp_ns, sample.specific_force_base_mps2);
 }
 
 void ImuCheck::add_to_second(const ImuSample& sample) {

@@ -8,6 +8,7 @@
 #include "inertial/heading_agreement.h"
 #include "inertial/imu_sample.h"
 #include "inertial/stamp_statistics.h"
+#include "inertial/travel_agreement.h"
 
 namespace loopline::inertial {
 
@@ -16,8 +17,9 @@ class ImuCheck {
     void add_imu(const ImuReading& reading);
     /// An observation that lacks one of the six channels.
     void add_incomplete() { ++incomplete_; }
-    void add_odometry(StampNs stamp_ns, double heading_rad) {
-        agreement_.add_odometry(stamp_ns, heading_rad);
+    void add_odometry(StampNs stamp_ns, const Pose2& T_odom_base) {
+        agreement_.add_odometry(stamp_ns, T_odom_base.phi_rad);
+        travel_.add_odometry(stamp_ns, T_odom_base);
     }
 
     std::uint64_t incomplete() const { return incomplete_; }
@@ -31,6 +33,7 @@ class ImuCheck {
     std::uint64_t absurd_seconds() const { return absurd_seconds_; }
     static constexpr double absurd_rate_radps = 6;  ///< nearly one turn a second
     Agreement agreement() const { return agreement_.result(); }
+    const TravelAgreement& travel() const { return travel_; }
 
  private:
     void add_to_second(const ImuSample& sample);
@@ -44,6 +47,7 @@ class ImuCheck {
     Eigen::Vector3d second_sum_radps_ = Eigen::Vector3d::Zero();
     std::uint64_t second_readings_ = 0;
     HeadingAgreement agreement_;
+    TravelAgreement travel_;
 };
 
 }  // namespace loopline::inertial

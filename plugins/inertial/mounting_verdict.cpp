@@ -1,4 +1,5 @@
-// Which way up the IMU is, by gravity, and about which of its axes it turns, by the odometry.
+// Which way up the IMU is, by gravity; about which of its axes it turns, and where its x axis points, by the
+// odometry.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -44,10 +45,46 @@ std::string mount_keys(const Eigen::Matrix3d& R_base_imu) {
            ", roll_deg = " + whole(std::atan2(R_base_imu(2, 1), R_base_imu(2, 2)));
 }
 
+/// A multiple of 90 deg that is as good as the measured yaw, since mounts are mostly square; else that yaw.
+double likely_yaw_rad(const MountYaw& yaw) {
+    constexpr double near_rad = 15 * M_PI / 180;
+    const double square_rad = std::round(yaw.yaw_rad / (M_PI / 2)) * (M_PI / 2);
+    const bool square = std::abs(yaw.yaw_rad - square_rad) < std::max(near_rad, 2 * yaw.sigma_rad);
+    return square ? square_rad : yaw.yaw_rad;
+}
+
+std::optional<MountYaw> well_known_yaw(const ImuCheck& check, const Eigen::Matrix3d& R_upright) {
+    constexpr double well_rad = 10 * M_PI / 180;
+    const auto yaw = check.travel().mount_yaw(R_upright);
+    return yaw && yaw->sigma_rad < well_rad ? yaw : std::nullopt;
+}
+
+std::string mount_section(const std::string& label) {
+    return "say so with [mount] sensors = " + (label.empty() ? "its label" : label) + ", ";
+}
+
+/// The whole mount, with the yaw where driving has shown it.
 std::string mount_advice(const ImuCheck& check, const Eigen::Vector3d& up_base, const std::string& label) {
-    return "say so with [mount] sensors = " + (label.empty() ? "its label" : label) + ", " +
-           mount_keys(righting(nearest_axis(up_base)) * check.R_base_imu()) +
-           " (gravity does not tell the yaw: add what x is off from forward)";
+    const Eigen::Matrix3d R_upright = righting(nearest_axis(up_base));
+    const auto yaw = well_known_yaw(check, R_upright);
+    if (!yaw)
+        return mount_section(label) + mount_keys(R_upright * check.R_base_imu()) +
+               " (gravity does not tell the yaw: add what x is off from forward)";
+    const Eigen::Matrix3d R_yaw =
+        Eigen::AngleAxisd(likely_yaw_rad(*yaw), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    return mount_section(label) + mount_keys(R_yaw * R_upright * check.R_base_imu()) +
+           " (yaw as of accelerations, +- " + digits(degrees(yaw->sigma_rad), 2) + " deg)";
+}
+
+/// Of an IMU that is upright.
+Sentences yaw_complaints(const ImuCheck& check, const std::string& label) {
+    constexpr double worth_a_look_rad = 25 * M_PI / 180, sure = 4;
+    const auto yaw = well_known_yaw(check, Eigen::Matrix3d::Identity());
+    if (!yaw || std::abs(yaw->yaw_rad) < std::max(worth_a_look_rad, sure * yaw->sigma_rad)) return {};
+    return {"feels accelerations of the odometry turned: its x axis points " +
+            decimals(degrees(yaw->yaw_rad), 0) + " +- " + decimals(degrees(yaw->sigma_rad), 0) +
+            " deg to the left of forward, where the log has it otherwise; " +
+            mount_advice(check, Eigen::Vector3d::UnitZ(), label)};
 }
 
 }  // namespace
@@ -68,7 +105,7 @@ Sentences mounting_complaints(const ImuCheck& check, const Agreement& agreement,
                                                    decimals(std::abs(agreement.correlation), 2) + ")"
                                              : "";
     if (angle_deg(turns, up) <= same_deg) {
-        if (tilt_deg <= level_deg) return {};
+        if (tilt_deg <= level_deg) return yaw_complaints(check, label);
         if (tilt_deg <= tilted_deg)
             return {"leans by " + digits(tilt_deg, 2) + " deg, by gravity of " + decimals(force_mps2, 2) +
                     ": it is mounted tilted, or the ground slopes; if the first, " +

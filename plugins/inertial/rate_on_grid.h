@@ -1,5 +1,5 @@
-/// Angles that are known at odd times as mean rates in the cells of a fixed grid of time, so that two sensors
-/// can be compared cell by cell.
+/// What accumulates (an angle, a way) and is known at odd times, as mean rates in the cells of a fixed grid
+/// of time, so that two sensors can be compared cell by cell.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,24 +25,22 @@ class RateOnGrid {
     using Vector = Eigen::Matrix<double, n, 1>;
     explicit RateOnGrid(const GridSettings& settings) : settings_(settings) {}
 
-    /// `angle_rad` is cumulative, not wrapped.
-    void add(StampNs stamp_ns, const Vector& angle_rad) {
+    /// `amount` is cumulative: an angle is not wrapped.
+    void add(StampNs stamp_ns, const Vector& amount) {
         if (last_ && stamp_ns == last_->stamp_ns) return;
         const bool goes_on =
             last_ && stamp_ns > last_->stamp_ns && stamp_ns - last_->stamp_ns <= settings_.longest_gap_ns;
         if (goes_on)
-            pass_boundaries({stamp_ns, angle_rad});
+            pass_boundaries({stamp_ns, amount});
         else
             start_anew();
-        last_ = Sample{stamp_ns, angle_rad};
+        last_ = Sample{stamp_ns, amount};
     }
 
     bool empty() const { return rates_.empty(); }
     std::int64_t first() const { return first_; }
     std::int64_t end() const { return first_ + static_cast<std::int64_t>(rates_.size()); }
-    const Vector& rate_radps(std::int64_t cell) const {
-        return rates_[static_cast<std::size_t>(cell - first_)];
-    }
+    const Vector& rate(std::int64_t cell) const { return rates_[static_cast<std::size_t>(cell - first_)]; }
     void forget_before(std::int64_t cell) {
         while (!rates_.empty() && first_ < cell) {
             rates_.pop_front();
@@ -53,12 +51,12 @@ class RateOnGrid {
  private:
     struct Sample {
         StampNs stamp_ns;
-        Vector angle_rad;
+        Vector amount;
     };
 
     void start_anew() {
         rates_.clear();
-        boundary_angle_rad_.reset();
+        boundary_.reset();
     }
 
     void pass_boundaries(const Sample& now) {
@@ -66,12 +64,12 @@ class RateOnGrid {
         for (std::int64_t cell = cell_of(last_->stamp_ns) + 1; cell * settings_.cell_ns <= now.stamp_ns;
              ++cell) {
             const double u = seconds_between(last_->stamp_ns, cell * settings_.cell_ns) / step_s;
-            const Vector angle_rad = last_->angle_rad + u * (now.angle_rad - last_->angle_rad);
-            if (boundary_angle_rad_)
-                rates_.push_back((angle_rad - *boundary_angle_rad_) * (1e9 / double(settings_.cell_ns)));
+            const Vector amount = last_->amount + u * (now.amount - last_->amount);
+            if (boundary_)
+                rates_.push_back((amount - *boundary_) * (1e9 / double(settings_.cell_ns)));
             else
                 first_ = cell;
-            boundary_angle_rad_ = angle_rad;
+            boundary_ = amount;
         }
         if (rates_.size() > settings_.most_cells)
             forget_before(end() - static_cast<std::int64_t>(settings_.most_cells));
@@ -84,7 +82,7 @@ class RateOnGrid {
 
     GridSettings settings_;
     std::optional<Sample> last_;
-    std::optional<Vector> boundary_angle_rad_;  ///< where the next cell begins
+    std::optional<Vector> boundary_;  ///< where the next cell begins
     std::int64_t first_ = 0;
     std::deque<Vector> rates_;
 };

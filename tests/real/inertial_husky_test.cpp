@@ -44,7 +44,7 @@ ImuCheck check_of_husky(const Eigen::Matrix3d& R_base_imu) {
     for (const auto& [stamp_ns, v] : imu) {
         for (; next < odometry.size() && odometry[next].stamp_ns <= stamp_ns; ++next) {
             const auto& pose = odometry[next].values;  // x y z qx qy qz qw ...
-            check.add_odometry(odometry[next].stamp_ns, 2 * std::atan2(pose[5], pose[6]));
+            check.add_odometry(odometry[next].stamp_ns, {pose[0], pose[1], 2 * std::atan2(pose[5], pose[6])});
         }
         check.add_imu({stamp_ns, {v[4], v[5], v[6]}, {v[7], v[8], v[9]}, R_base_imu});
     }

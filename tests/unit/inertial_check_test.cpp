@@ -32,6 +32,7 @@ struct CheckedLog {
         test::SmoothDrive drive;
         drive.turning_radps = turning_radps;
         double heading_error_rad = 0;
+        Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
         std::mt19937_64 random(seed);
         std::normal_distribution<double> normal;
         const auto white = [&](double sigma) {
@@ -49,10 +50,12 @@ struct CheckedLog {
             reading.specific_force_imu_mps2 =
                 R_base_imu.transpose() * truth.specific_force_base_mps2 + white(force_noise_mps2);
             if (spoil(i, reading)) result.add_imu(reading);
+            p_m += drive.way_m(i * 0.01, i * 0.01 + 0.01);
             if (!with_odometry || i % 10 != 3) continue;
             heading_error_rad += heading_walk_rad * normal(random);
-            result.add_odometry(reading_stamp_ns,
-                                wrap_to_pi(drive.heading_rad(i * 0.01) + heading_error_rad));
+            result.add_odometry(
+                reading_stamp_ns,
+                {p_m.x(), p_m.y(), wrap_to_pi(drive.heading_rad(i * 0.01) + heading_error_rad)});
         }
         return result;
     }
@@ -155,6 +158,23 @@ TEST(ImuCheck, a_turned_mount_is_recognised_with_the_angles_that_put_it_right) {
         };
         EXPECT_EQ(log.complaints(), std::vector<std::string>()) << "the log knows how it is mounted";
     }
+}
+
+TEST(ImuCheck, where_x_points_is_known_from_driving) {
+    for (const double yaw_deg : {90, -90, 180, 45}) {
+        CheckedLog log;
+        log.R_base_imu = turned(yaw_deg, Eigen::Vector3d::UnitZ());
+        expect_one(log.complaints(),
+                   {"feels accelerations of the odometry turned", "pitch_deg = 0, roll_deg = 0"});
+        const auto yaw = log.check().travel().mount_yaw(Eigen::Matrix3d::Identity());
+        ASSERT_TRUE(yaw);
+        EXPECT_NEAR(wrap_to_pi(yaw->yaw_rad - yaw_deg * M_PI / 180), 0, 4 * yaw->sigma_rad + 0.02);
+        EXPECT_LT(yaw->sigma_rad, 0.05);
+        EXPECT_NEAR(yaw->gain, 1, 0.1);
+    }
+    CheckedLog log;  // lying on its side, and turned
+    log.R_base_imu = turned(-90, Eigen::Vector3d::UnitZ()) * turned(90, Eigen::Vector3d::UnitX());
+    expect_one(log.complaints(), {"gravity along its +y", "yaw_deg = -90, pitch_deg = 0, roll_deg = 90"});
 }
 
 TEST(ImuCheck, a_lean_is_told_from_a_turned_mount) {
@@ -293,9 +313,9 @@ TEST(RateOnGrid, gives_the_mean_rate_of_each_cell_and_no_cell_across_a_gap) {
     grid.add(65'000'000, angle(1.5));  // at rest
     ASSERT_EQ(grid.first(), 0);
     ASSERT_EQ(grid.end(), 3);
-    EXPECT_NEAR(grid.rate_radps(0)(0), 10, 1e-12);
-    EXPECT_NEAR(grid.rate_radps(1)(0), 7.5, 1e-12);
-    EXPECT_NEAR(grid.rate_radps(2)(0), 0, 1e-12);
+    EXPECT_NEAR(grid.rate(0)(0), 10, 1e-12);
+    EXPECT_NEAR(grid.rate(1)(0), 7.5, 1e-12);
+    EXPECT_NEAR(grid.rate(2)(0), 0, 1e-12);
     grid.add(365'000'000, angle(2));
     EXPECT_TRUE(grid.empty());
     grid.add(425'000'000, angle(3));

@@ -21,7 +21,9 @@ void ImuSurvey::add(const StreamItem& item) {
     } else if (const auto* odometry = as<mrpt::obs::CObservationOdometry>(observation)) {
         if (!odometry_label_) odometry_label_ = odometry->sensorLabel;
         if (odometry->sensorLabel != *odometry_label_) return;
-        for (auto& [label, check] : checks_) check.add_odometry(item.stamp_ns, odometry->odometry.phi());
+        const auto& pose = odometry->odometry;
+        for (auto& [label, check] : checks_)
+            check.add_odometry(item.stamp_ns, {pose.x(), pose.y(), pose.phi()});
     }
 }
 
