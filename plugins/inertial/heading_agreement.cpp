@@ -7,23 +7,14 @@
 
 namespace loopline::inertial {
 namespace {
-
-constexpr StampNs cell_ns = 20'000'000;
-constexpr double cell_s = 0.02;
-constexpr double cells_of_first_stretches = 500;
-constexpr std::size_t most_stretches = 64;
-
-GridSettings grid(StampNs longest_gap_ns) {
-    GridSettings settings;
-    settings.cell_ns = cell_ns;
-    settings.longest_gap_ns = longest_gap_ns;
-    return settings;
-}
-
+constexpr StampNs lag_cell_ns = 20'000'000;
+constexpr double lag_cell_s = 0.02;
 }  // namespace
 
 HeadingAgreement::HeadingAgreement()
-    : gyro_(grid(300'000'000)), odometry_(grid(2'000'000'000)), cells_of_stretch_(cells_of_first_stretches) {}
+    : gyro_({lag_cell_ns, 300'000'000}),
+      odometry_({lag_cell_ns, 2'000'000'000}),
+      stretches_(10 / lag_cell_s) {}
 
 void HeadingAgreement::add_gyro(StampNs stamp_ns, const Eigen::Vector3d& omega_base_radps) {
     if (gyro_stamp_ns_ && stamp_ns > *gyro_stamp_ns_)
@@ -57,27 +48,14 @@ void HeadingAgreement::compare_cell(std::int64_t cell) {
     LagSums::Table gyro_radps;
     for (int lag = -LagSums::reach; lag <= LagSums::reach; ++lag)
         gyro_radps.row(lag + LagSums::reach) = gyro_.rate(cell + lag).transpose().array();
-    stretch_.add(odometry_.rate(cell)(0), gyro_radps);
-    if (stretch_.n >= cells_of_stretch_) close_stretch();
-}
-
-void HeadingAgreement::close_stretch() {
-    stretches_.push_back(stretch_);
-    stretch_ = {};
-    if (stretches_.size() < most_stretches) return;
-    for (std::size_t i = 0; i < most_stretches / 2; ++i) {
-        stretches_[i] = stretches_[2 * i];
-        stretches_[i] += stretches_[2 * i + 1];
-    }
-    stretches_.resize(most_stretches / 2);
-    cells_of_stretch_ *= 2;
+    stretches_.open().add(odometry_.rate(cell)(0), gyro_radps);
+    stretches_.close_if_full();
 }
 
 Agreement HeadingAgreement::result() const {
-    LagSums total = stretch_;
-    for (const auto& stretch : stretches_) total += stretch;
+    const LagSums total = stretches_.total();
     Agreement agreement;
-    agreement.compared_s = total.n * cell_s;
+    agreement.compared_s = total.n * lag_cell_s;
     if (total.n < 2) return agreement;
     agreement.peak = find_peak(total);
     agreement.correlation = agreement.peak.correlation(agreement.peak.axis);
@@ -92,19 +70,19 @@ Agreement HeadingAgreement::result() const {
 void HeadingAgreement::measure_lag(const LagSums& total, Agreement& agreement) const {
     constexpr std::size_t fewest_stretches = 3;
     const auto middle = middle_of_peak(total, agreement.peak);
-    if (!middle || stretches_.size() < fewest_stretches) return;
+    if (!middle || stretches_.closed().size() < fewest_stretches) return;
     const LagParabola parabola = parabola_around(*middle, total, agreement.peak);
     const double from_middle = -parabola.slope / parabola.curvature;
     double squares = 0;
-    for (const auto& stretch : stretches_) {
+    for (const auto& stretch : stretches_.closed()) {
         const LagParabola part = parabola_around(*middle, stretch, agreement.peak);
         const double slope = part.slope + part.curvature * from_middle;
         squares += slope * slope;
     }
-    const auto n = static_cast<double>(stretches_.size());
-    agreement.stretches = static_cast<int>(stretches_.size());
-    agreement.gyro_later_s = cell_s * (*middle + from_middle);
-    agreement.gyro_later_sigma_s = cell_s * std::sqrt(squares * n / (n - 1)) / parabola.curvature;
+    const auto n = static_cast<double>(stretches_.closed().size());
+    agreement.stretches = static_cast<int>(stretches_.closed().size());
+    agreement.gyro_later_s = lag_cell_s * (*middle + from_middle);
+    agreement.gyro_later_sigma_s = lag_cell_s * std::sqrt(squares * n / (n - 1)) / parabola.curvature;
 }
 
 }  // namespace loopline::inertial

@@ -5,10 +5,10 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "inertial/lag_sums.h"
 #include "inertial/rate_on_grid.h"
+#include "inertial/stretches.h"
 
 namespace loopline::inertial {
 
@@ -34,7 +34,6 @@ class HeadingAgreement {
  private:
     void compare();
     void compare_cell(std::int64_t cell);
-    void close_stretch();
     void measure_lag(const LagSums& total, Agreement& agreement) const;
 
     RateOnGrid<3> gyro_;
@@ -43,11 +42,7 @@ class HeadingAgreement {
     Eigen::Vector3d gyro_rate_radps_, gyro_angle_rad_ = Eigen::Vector3d::Zero();
     std::optional<double> last_heading_rad_;
     double heading_rad_ = 0;  ///< unwrapped
-    /// Sums of stretches of equal length, for the scatter from one to the next. When there are too many they
-    /// are joined in pairs.
-    std::vector<LagSums> stretches_;
-    LagSums stretch_;
-    double cells_of_stretch_;
+    Stretches<LagSums> stretches_;
 };
 
 }  // namespace loopline::inertial

@@ -7,16 +7,8 @@
 namespace loopline::inertial {
 namespace {
 
-constexpr double cell_s = 0.1;
-constexpr double cells_of_first_stretches = 100;
-constexpr std::size_t most_stretches = 64;
-
-GridSettings grid(StampNs longest_gap_ns) {
-    GridSettings settings;
-    settings.cell_ns = 100'000'000;
-    settings.longest_gap_ns = longest_gap_ns;
-    return settings;
-}
+constexpr StampNs travel_cell_ns = 100'000'000;
+constexpr double travel_cell_s = 0.1;
 
 /// Products of f and a as complex numbers, conj(a) f, for rows x and y of `fa`: its angle is that from a to
 /// f.
@@ -43,9 +35,9 @@ void TravelSums::operator+=(const TravelSums& more) {
 }
 
 TravelAgreement::TravelAgreement()
-    : force_(grid(300'000'000)),
-      odometry_(grid(2'000'000'000)),
-      cells_of_stretch_(cells_of_first_stretches) {}
+    : force_({travel_cell_ns, 300'000'000}),
+      odometry_({travel_cell_ns, 2'000'000'000}),
+      stretches_(10 / travel_cell_s) {}
 
 void TravelAgreement::add_imu(StampNs stamp_ns, const Eigen::Vector3d& specific_force_base_mps2) {
     if (force_stamp_ns_ && stamp_ns > *force_stamp_ns_)
@@ -78,31 +70,18 @@ void TravelAgreement::compare() {
     for (std::int64_t cell = from; cell < to; ++cell) {
         const Eigen::Vector2d& now = odometry_.rate(cell);
         const double speeding_up_mps2 =
-            (odometry_.rate(cell + 1)(0) - odometry_.rate(cell - 1)(0)) / (2 * cell_s);
-        stretch_.add({speeding_up_mps2, now(0) * now(1)}, force_.rate(cell));
-        if (stretch_.n >= cells_of_stretch_) close_stretch();
+            (odometry_.rate(cell + 1)(0) - odometry_.rate(cell - 1)(0)) / (2 * travel_cell_s);
+        stretches_.open().add({speeding_up_mps2, now(0) * now(1)}, force_.rate(cell));
+        stretches_.close_if_full();
     }
     odometry_.forget_before(to - 1);
     force_.forget_before(to);
 }
 
-void TravelAgreement::close_stretch() {
-    stretches_.push_back(stretch_);
-    stretch_ = {};
-    if (stretches_.size() < most_stretches) return;
-    for (std::size_t i = 0; i < most_stretches / 2; ++i) {
-        stretches_[i] = stretches_[2 * i];
-        stretches_[i] += stretches_[2 * i + 1];
-    }
-    stretches_.resize(most_stretches / 2);
-    cells_of_stretch_ *= 2;
-}
-
 std::optional<MountYaw> TravelAgreement::mount_yaw(const Eigen::Matrix3d& righting) const {
     constexpr std::size_t fewest_stretches = 3;
-    if (stretches_.size() < fewest_stretches) return std::nullopt;
-    TravelSums total;
-    for (const auto& stretch : stretches_) total += stretch;
+    if (stretches_.closed().size() < fewest_stretches) return std::nullopt;
+    const TravelSums total = stretches_.total();
     const Eigen::Vector2d mean_a = total.a / total.n;
     const Eigen::Vector3d mean_f = total.f / total.n;
     const double squares = total.aa - total.n * mean_a.squaredNorm();
@@ -114,13 +93,13 @@ std::optional<MountYaw> TravelAgreement::mount_yaw(const Eigen::Matrix3d& righti
     if (squares <= 0 || std::abs(sum) == 0) return std::nullopt;
     const std::complex<double> direction = sum / std::abs(sum);
     double scatter = 0;
-    for (const auto& stretch : stretches_) {
+    for (const auto& stretch : stretches_.closed()) {
         const double aside = std::imag(about_means(stretch) * std::conj(direction));
         scatter += aside * aside;
     }
-    const auto n = static_cast<double>(stretches_.size());
+    const auto n = static_cast<double>(stretches_.closed().size());
     return MountYaw{-std::arg(direction), std::sqrt(scatter * n / (n - 1)) / std::abs(sum),
-                    static_cast<int>(stretches_.size()), std::abs(sum) / squares};
+                    static_cast<int>(stretches_.closed().size()), std::abs(sum) / squares};
 }
 
 }  // namespace loopline::inertial

@@ -4,10 +4,10 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <vector>
 
 #include "api/pose2.h"
 #include "inertial/rate_on_grid.h"
+#include "inertial/stretches.h"
 
 namespace loopline::inertial {
 
@@ -42,7 +42,6 @@ class TravelAgreement {
 
  private:
     void compare();
-    void close_stretch();
 
     RateOnGrid<3> force_;     ///< rate of the integral of the force: its mean
     RateOnGrid<2> odometry_;  ///< of (way, heading)
@@ -50,9 +49,7 @@ class TravelAgreement {
     Eigen::Vector3d force_mps2_, force_integral_mps_ = Eigen::Vector3d::Zero();
     std::optional<Pose2> last_pose_;
     Eigen::Vector2d way_and_heading_ = Eigen::Vector2d::Zero();
-    std::vector<TravelSums> stretches_;  ///< joined in pairs when there are too many
-    TravelSums stretch_;
-    double cells_of_stretch_;
+    Stretches<TravelSums> stretches_;
 };
 
 }  // namespace loopline::inertial
