@@ -42,12 +42,10 @@ std::string scale_complaint(double scale) {
     if (within(scale, 1 / 80.0, 1 / 40.0))
         return how +
                "its rates were turned from degrees to radians twice; multiply them by 57.2958 when the log "
-               "is "
-               "recorded or imported";
+               "is recorded or imported";
     return how +
            "the gyro's scale or the odometry's track width is wrong, or the wheels slip; compare both with a "
-           "turn of "
-           "known angle";
+           "turn of known angle";
 }
 
 /// So many standard errors, known from the scatter of n values, are passed by chance as rarely as three of a
@@ -65,8 +63,7 @@ std::string offset_complaint(const Agreement& agreement) {
     if (std::abs(later_s) < std::max(worth_a_look_s, three_sigma(agreement.stretches) * sigma_s)) return {};
     return "shows turns " + decimals(std::abs(later_s), 3) + " +- " + decimals(sigma_s, 3) + " s " +
            (later_s > 0 ? "after" : "before") +
-           " the odometry does: the stamps of one of the two are shifted by that; correct it when the log "
-           "is "
+           " the odometry does: the stamps of one of the two are shifted by that; correct it when the log is "
            "recorded or imported";
 }
 
@@ -77,8 +74,7 @@ std::string bias_complaint(const Agreement& agreement) {
     if (bias_radps.cwiseAbs().maxCoeff() < large_radps) return {};
     return "reads " + decimals(bias_radps, 3) +
            " rad/s where the odometry does not turn: a large gyro bias; begin the log with a standstill of a "
-           "few "
-           "seconds, from which it is taken";
+           "few seconds, from which it is taken";
 }
 
 }  // namespace
@@ -114,10 +110,9 @@ Sentences stamp_complaints(const ImuCheck& check, StampNs log_start_ns) {
                             since(log_start_ns, stamps.longest_step_start_ns()) +
                             " on: readings are lost; look at its driver and the link");
     if (stamps.repeated() > 0)
-        sentences.push_back(
-            "has " + std::to_string(stamps.repeated()) +
-            " observations with the stamp of the one before: they are stamped in packets, or too "
-            "coarsely; take the sensor's own clock");
+        sentences.push_back("has " + std::to_string(stamps.repeated()) +
+                            " observations with the stamp of the one before: they are stamped in packets, or "
+                            "too coarsely; take the sensor's own clock");
     if (stamps.backwards() > 0)
         sentences.push_back("goes back in time " + std::to_string(stamps.backwards()) + " times, by up to " +
                             decimals(static_cast<double>(stamps.worst_backwards_ns()) * 1e-9, 4) +
@@ -169,11 +164,10 @@ Sentences turning_complaints(const ImuCheck& check, const Agreement& agreement) 
     constexpr std::uint64_t least_seconds = 3;
     Sentences sentences;
     if (!in_degrees(agreement) && check.absurd_seconds() >= least_seconds)
-        sentences.push_back(
-            "turns by more than " + digits(ImuCheck::absurd_rate_radps) + " rad/s in " +
-            std::to_string(check.absurd_seconds()) +
-            " seconds of the log: its rates are probably in deg/s; divide them by 57.2958 when the "
-            "log is recorded or imported");
+        sentences.push_back("turns by more than " + digits(ImuCheck::absurd_rate_radps) + " rad/s in " +
+                            std::to_string(check.absurd_seconds()) +
+                            " seconds of the log: its rates are probably in deg/s; divide them by 57.2958 "
+                            "when the log is recorded or imported");
     if (turned_enough(agreement) && std::abs(agreement.correlation) < no_correlation)
         sentences.push_back(
             "does not turn with the odometry: none of its gyro's axes follows the odometry's heading "
