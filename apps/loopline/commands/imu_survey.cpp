@@ -32,6 +32,10 @@ bool ImuSurvey::looks_at(const std::string& label) const {
     return found != checks_.end() && found->second.stamps().count() > 0;
 }
 
+bool ImuSurvey::looks_at(const mrpt::obs::CObservation& observation) const {
+    return as<mrpt::obs::CObservationIMU>(&observation) != nullptr && looks_at(observation.sensorLabel);
+}
+
 std::vector<std::string> ImuSurvey::complaints(StampNs log_start_ns) const {
     std::vector<std::string> sentences;
     for (const auto& [label, check] : checks_) {

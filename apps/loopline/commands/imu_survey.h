@@ -17,6 +17,7 @@ class ImuSurvey {
 
     /// Whether the label is that of an IMU whose stamps are looked at here.
     bool looks_at(const std::string& label) const;
+    bool looks_at(const mrpt::obs::CObservation& observation) const;
     /// A sentence for each thing that is likely to spoil inertial navigation. An IMU that gives no rates and
     /// no accelerations at all is an inclinometer or a compass, and nothing is said of it.
     std::vector<std::string> complaints(StampNs log_start_ns) const;

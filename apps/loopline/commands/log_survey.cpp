@@ -24,6 +24,7 @@ void LogSurvey::add(const StreamItem& item) {
     earliest_ns_ = first_of_all ? item.stamp_ns : std::min(earliest_ns_, item.stamp_ns);
     latest_ns_ = first_of_all ? item.stamp_ns : std::max(latest_ns_, item.stamp_ns);
 
+    imus_.add(item);
     const auto& observation = *item.observation;
     auto& sensor =
         sensors_[{short_class_name(observation.GetRuntimeClass()->className), observation.sensorLabel}];
@@ -31,7 +32,7 @@ void LogSurvey::add(const StreamItem& item) {
         sensor.first_stamp_ns = item.stamp_ns;
     } else {
         const StampNs step_ns = item.stamp_ns - sensor.last_stamp_ns;
-        sensor.steps_ns.push_back(step_ns);
+        if (!imus_.looks_at(observation)) sensor.steps_ns.push_back(step_ns);
         sensor.repeated_stamps += step_ns == 0;
         if (step_ns > sensor.longest_gap_ns) {
             sensor.longest_gap_ns = step_ns;
@@ -42,7 +43,6 @@ void LogSurvey::add(const StreamItem& item) {
     ++sensor.count;
     if (const auto* scan = dynamic_cast<const mrpt::obs::CObservation2DRangeScan*>(&observation))
         sensor.empty_scans += !to_planar_scan(*scan, scan_) || scan_.returns() == 0;
-    imus_.add(item);
 }
 
 std::vector<std::string> LogSurvey::complaints() const {

@@ -18,7 +18,9 @@ namespace loopline {
 struct SensorSurvey {
     std::uint64_t count = 0;
     StampNs first_stamp_ns = 0, last_stamp_ns = 0;
-    std::vector<StampNs> steps_ns;  ///< from each observation to the next, in the log's order
+    /// From each observation to the next, in the log's order; not of IMUs, of which there are too many: their
+    /// own check counts them.
+    std::vector<StampNs> steps_ns;
     StampNs longest_gap_ns = 0;
     StampNs longest_gap_start_ns = 0;
     std::uint64_t repeated_stamps = 0;
