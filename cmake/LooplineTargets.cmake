@@ -27,6 +27,14 @@ function(loopline_compile_together target pattern)
     endforeach()
 endfunction()
 
+# loopline_library(NAME SOURCES... [LINK targets...]): what several plugins share, in each of them.
+function(loopline_library name)
+    cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+    add_library(loopline_${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(loopline_${name} PUBLIC loopline_settings ${ARG_LINK})
+    target_include_directories(loopline_${name} PUBLIC ${PROJECT_SOURCE_DIR}/plugins)
+endfunction()
+
 # loopline_plugin(NAME SOURCES... [LINK targets...]): a shared library that the host, and MRPT's own programs, load.
 # "-z now": an unresolved symbol refuses the load with a message instead of ending the process later.
 # "--no-as-needed": a library that only registers classes must stay in NEEDED.

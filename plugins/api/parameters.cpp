@@ -11,7 +11,7 @@ namespace loopline {
 namespace {
 
 std::string unit_of(const std::string& name) {
-    for (const char* unit : {"m", "s", "deg", "hz", "mps", "dps", "ms", "mb"}) {
+    for (const char* unit : {"m", "s", "deg", "hz", "mps", "mps2", "dps", "ms", "mb"}) {
         const std::string suffix = std::string("_") + unit;
         if (name.size() > suffix.size() &&
             name.compare(name.size() - suffix.size(), suffix.size(), suffix) == 0)

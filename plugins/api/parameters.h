@@ -34,7 +34,7 @@ enum class FileNeed { optional, must_exist };
 struct Parameter {
     std::string name;  ///< the key, with its unit as suffix: sigma_range_m, gate_deg
     ParameterKind kind;
-    std::string unit;      ///< from the suffix: m, s, deg, hz, mps, dps; empty if dimensionless
+    std::string unit;      ///< from the suffix: m, s, deg, hz, mps, mps2, dps; empty if dimensionless
     std::string allowed;   ///< "0 .. 1", "foot_point | infinite_line"; empty if anything goes
     std::string sentence;  ///< what it does, one sentence
     std::string default_text;

@@ -3,6 +3,7 @@
 
 #include <mrpt/serialization/CSerializable.h>
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -11,6 +12,8 @@
 #include <vector>
 
 #include "api/line_map.h"
+#include "api/pose2.h"
+#include "api/stamp.h"
 
 namespace loopline {
 
@@ -42,10 +45,35 @@ struct Calibration {
     std::vector<CalibratedKey> keys;
 };
 
+/// A place where the path was thought to meet itself, and what came of it.
+struct LoopDecision {
+    StampNs stamp_ns = 0, old_stamp_ns = 0;  ///< of the scan there, and of the earlier one
+    double way_m = 0;                        ///< of the vehicle between the two
+    double score = 0;                        ///< how well the scans fit the old map there, 0 .. 1
+    double rival_score = 0;                  ///< that of the next best place elsewhere, 0 if there is none
+    double shift_m = 0, shift_rad = 0;       ///< misclosure: what the vehicle is moved by
+    double sigma_m = 0, sigma_rad = 0;       ///< what was uncertain before
+    bool accepted = false;
+    std::string reason;
+};
+
+/// Poses and the constraints between them, as other tools for pose graphs take them.
+struct PoseGraph {
+    struct Constraint {
+        std::uint32_t from = 0, to = 0;
+        Pose2 T_from_to;
+        Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< on (x, y, phi), along the axes of `from`
+    };
+    std::vector<Pose2> poses;
+    std::vector<Constraint> constraints;
+};
+
 struct Results {
     std::map<std::string, MetricValue> metrics;  ///< sorted: the same run writes the same bytes
     std::optional<LineMap> line_map;
     std::vector<NamedMap> maps;
+    std::vector<LoopDecision> loops;  ///< in the order of the log
+    std::optional<PoseGraph> pose_graph;
     std::vector<Calibration> calibrations;  ///< by modules that can_calibrate(), where the run is for it
     /// Set, with one sentence, by a module whose estimate diverged or must be refused: exit code 4.
     std::optional<std::string> refused;

@@ -16,9 +16,10 @@ namespace loopline {
 
 /// A line of FILE.truth.csv: what results are compared with beside the path.
 struct TruthRow {
-    std::string kind;  ///< "point", "wall", "level"
+    std::string kind;  ///< "point", "wall", "level", or a sensor's own: "imu_bias"
     int number = 0;
-    std::vector<double> values;  ///< point: x y; wall: x1 y1 x2 y2 bottom top; level: z; map frame, m
+    std::vector<double> values;  ///< point: x y; wall: x1 y1 x2 y2 bottom top; level: z; map frame, m; others
+                                 ///< as the simulator's page says
 };
 
 /// Takes a simulated log in the order of its stamps.

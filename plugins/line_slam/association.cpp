@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "line_slam/chi_square.h"
+#include "least_squares/chi_square.h"
 
 namespace loopline::line_slam {
 namespace {
@@ -181,7 +181,7 @@ class BranchAndBound {
             if (!can_win(order_.size() - depth)) return;
             const double degrees = 2 * static_cast<double>(hypothesis_.pairings().size() + 1);
             hypothesis_.accept(c);
-            if (hypothesis_.distance2() < chi_square_quantile(degrees, probability_)) descend(depth + 1);
+            if (hypothesis_.distance2() < least_squares::chi_square_quantile(degrees, probability_)) descend(depth + 1);
             hypothesis_.drop_last();
         }
         if (can_win(order_.size() - depth - 1)) descend(depth + 1);

@@ -277,7 +277,7 @@ CalibrationSolver::Likelihood CalibrationSolver::likelihood(const CalibrationGra
     result.minus_two_log = minus_two_log_likelihood(graph, log_variance);
     if (!std::isfinite(result.minus_two_log)) return result;
     const std::vector<Row> now = rows(graph, log_variance);
-    const SymmetricSum::Sparse inverse = selected_inverse(ldlt_);
+    const SymmetricSum::Sparse inverse = least_squares::selected_inverse(ldlt_);
     const double rest = std::exp(log_variance(rest_noise));
     Eigen::MatrixXd pulls = Eigen::MatrixXd::Zero(columns(), noise_count);  // J^T Q^-1 f
     NoiseMatrix own = NoiseMatrix::Zero();                                  // f^T Q^-1 f
@@ -287,7 +287,7 @@ CalibrationSolver::Likelihood CalibrationSolver::likelihood(const CalibrationGra
             for (int b = 0; b <= a; ++b) {
                 const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
                 explained += (a == b ? 1 : 2) * row.jacobian[i] * row.jacobian[j] *
-                             selected_entry(inverse, ldlt_, row.column[i], row.column[j]);
+                             least_squares::selected_entry(inverse, ldlt_, row.column[i], row.column[j]);
             }
         const double surplus =
             (row.residual * row.residual + explained - row.variance) / (row.variance * row.variance);

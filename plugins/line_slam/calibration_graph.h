@@ -10,7 +10,7 @@
 
 #include "line_slam/drive_noise.h"
 #include "line_slam/pose_line_graph.h"
-#include "line_slam/selected_inverse.h"
+#include "least_squares/selected_inverse.h"
 #include "line_slam/symmetric_sum.h"
 #include "line_slam/wide_interval.h"
 #include "odometry/twist2.h"
@@ -100,7 +100,7 @@ class CalibrationSolver {
     int pose_count_, line_count_, stretch_count_;
     SymmetricSum H_;
     Eigen::VectorXd gradient_;
-    SparseLdlt ldlt_;
+    least_squares::SparseLdlt ldlt_;
     bool analysed_ = false;
 };
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "line_slam/chi_square.h"
+#include "least_squares/chi_square.h"
 
 namespace loopline::line_slam {
 namespace {
@@ -254,7 +254,7 @@ bool LineEkfSlam::merge(const Recognition& recognition) {
         gone_lines.push_back(filter_.line(gone));
     }
     const double bound = parameters_.overconfidence * parameters_.overconfidence *
-                         chi_square_quantile(2 * static_cast<double>(walls.size()), 0.999);
+                         least_squares::chi_square_quantile(2 * static_cast<double>(walls.size()), 0.999);
     if (walls.empty() || filter_.same_wall_distance2(walls) > bound || !filter_.merge(walls)) return false;
     for (std::size_t k = 0; k < walls.size(); ++k) {
         MapLineRecord& keep = records_[static_cast<std::size_t>(walls[k].kept)];

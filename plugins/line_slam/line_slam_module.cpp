@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "line_slam/calibration_section.h"
-#include "line_slam/chi_square.h"
+#include "least_squares/chi_square.h"
 #include "line_slam/line_input.h"
 #include "lines/observation_lines.h"
 #include "odometry/twist2.h"
@@ -62,7 +62,7 @@ ModuleInfo LineSlam::info() const {
 
 void LineSlam::start(const RunContext& context) {
     calibrates_ = context.calibrates;
-    const double gate = chi_square_quantile(2, gate_probability_);
+    const double gate = least_squares::chi_square_quantile(2, gate_probability_);
     slam_parameters_.association.gate = gate;
     slam_parameters_.association.probability = gate_probability_;
     slam_parameters_.tentative.gate = gate;

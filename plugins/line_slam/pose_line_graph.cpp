@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "line_slam/graph_terms.h"
-#include "line_slam/selected_inverse.h"
+#include "least_squares/selected_inverse.h"
 
 namespace loopline::line_slam {
 namespace {
@@ -213,24 +213,24 @@ bool GraphSolver::factorise(const PoseLineGraph& graph) {
 }
 
 std::vector<Eigen::Matrix3d> GraphSolver::pose_covariances() const {
-    if (inverse_.rows() == 0) inverse_ = selected_inverse(ldlt_);
+    if (inverse_.rows() == 0) inverse_ = least_squares::selected_inverse(ldlt_);
     std::vector<Eigen::Matrix3d> covariances(static_cast<std::size_t>(pose_count_), Eigen::Matrix3d::Zero());
     for (int k = 1; k < pose_count_; ++k)
         for (int r = 0; r < 3; ++r)
             for (int c = 0; c < 3; ++c)
                 covariances[static_cast<std::size_t>(k)](r, c) =
-                    selected_entry(inverse_, ldlt_, pose_row(k) + r, pose_row(k) + c);
+                    least_squares::selected_entry(inverse_, ldlt_, pose_row(k) + r, pose_row(k) + c);
     return covariances;
 }
 
 std::vector<Eigen::Matrix2d> GraphSolver::line_covariances() const {
-    if (inverse_.rows() == 0) inverse_ = selected_inverse(ldlt_);
+    if (inverse_.rows() == 0) inverse_ = least_squares::selected_inverse(ldlt_);
     std::vector<Eigen::Matrix2d> covariances(static_cast<std::size_t>(line_count_));
     for (int l = 0; l < line_count_; ++l)
         for (int r = 0; r < 2; ++r)
             for (int c = 0; c < 2; ++c)
                 covariances[static_cast<std::size_t>(l)](r, c) =
-                    selected_entry(inverse_, ldlt_, line_row(l) + r, line_row(l) + c);
+                    least_squares::selected_entry(inverse_, ldlt_, line_row(l) + r, line_row(l) + c);
     return covariances;
 }
 

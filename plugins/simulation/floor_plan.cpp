@@ -25,7 +25,9 @@ class Builder {
         for (std::size_t i = 0; i < plan_.doors.size(); ++i) set_back("door_m", i, plan_.doors[i]);
         for (std::size_t i = 0; i < plan_.pilasters.size(); ++i)
             set_back("pilaster_m", i, plan_.pilasters[i]);
+        for (std::size_t i = 0; i < plan_.partitions.size(); ++i) raise_partition(i);
         for (std::size_t i = 0; i < plan_.boxes.size(); ++i) place_box(i);
+        for (std::size_t i = 0; i < plan_.clutter.size(); ++i) check_clutter(i);
         for (std::size_t i = 0; i < plan_.points.size(); ++i) mark_point(i);
         return std::move(world_);
     }
@@ -86,6 +88,22 @@ class Builder {
         add(b_m + depth_m, b_m, 0, plan_.height_m);
         if (key == std::string("door_m") && plan_.door_height_m < plan_.height_m)
             add(a_m, b_m, plan_.door_height_m, plan_.height_m);  // the lintel
+    }
+
+    void raise_partition(std::size_t index) {
+        const Row& row = plan_.partitions[index];
+        const Eigen::Vector2d a_m(row[0], row[1]), b_m(row[2], row[3]);
+        const Eigen::Vector2d way_m = b_m - a_m;
+        if (way_m.norm() < tolerance_m || row[4] < tolerance_m)
+            return report("partition_m", index, "is not longer and thicker than 1 mm");
+        add_box(world_, (a_m + b_m) / 2, way_m.norm(), row[4], std::atan2(way_m.y(), way_m.x()),
+                plan_.height_m);
+    }
+
+    void check_clutter(std::size_t index) {
+        const Row& row = plan_.clutter[index];
+        if (row[4] != std::floor(row[4]) || row[4] < 0 || row[4] > 1000)
+            report("clutter_m", index, "has a number of pieces that is not whole, from 0 to 1000");
     }
 
     void place_box(std::size_t index) {

@@ -1,5 +1,5 @@
 /// A world drawn by rows of numbers, as a scenario's [world] section gives them: walls, doors set back in
-/// them, pilasters that stand out of them, boxes, and the points that results are compared at.
+/// them, pilasters that stand out of them, partitions, boxes, and the points that results are compared at.
 #pragma once
 
 #include <string>
@@ -20,7 +20,10 @@ struct FloorPlan {
         doors;  ///< x1 y1 x2 y2 depth: part of a wall, set back to the left of the way from 1 to 2
     std::vector<Row> pilasters;  ///< the same from floor to ceiling: it stands out to the left
     std::vector<Row> boxes;  ///< x y length width turn_deg height: centre, and length along the turned x axis
-    std::vector<Row> points;  ///< number x y
+    std::vector<Row> partitions;  ///< x1 y1 x2 y2 thickness: a wall that has two sides, about its middle line
+    std::vector<Row> clutter;     ///< x0 y0 x1 y1 pieces: see add_clutter(); not built by build_world()
+    double clutter_clear_m = 1;   ///< of the route
+    std::vector<Row> points;      ///< number x y
 };
 
 /// What is wrong with the row `row` of `key` ("door_m").

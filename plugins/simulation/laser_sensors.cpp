@@ -4,17 +4,9 @@
 
 #include <cmath>
 
+#include "simulation/sensor_pose.h"
+
 namespace loopline::simulation {
-namespace {
-
-mrpt::poses::CPose3D mrpt_pose(const Pose3& pose) {
-    const auto& q = pose.rotation;
-    return mrpt::poses::CPose3D(mrpt::math::CQuaternionDouble(q.w(), q.x(), q.y(), q.z()),
-                                pose.translation_m.x(), pose.translation_m.y(), pose.translation_m.z());
-}
-
-}  // namespace
-
 ParameterTable LaserSensor::declared(const std::string& sentence) {
     return ParameterTable(name(), sentence)
         .integer("beams", laser_.beams, {2, 20000}, "Beams of a scan.")

@@ -6,6 +6,7 @@
 
 #include "simulation/floor_plan.h"
 #include "simulation/random_stream.h"
+#include "simulation/segment.h"
 
 namespace loopline::simulation {
 namespace {
@@ -19,13 +20,6 @@ struct Room {
     double x0, x1, wall_y, side, depth, door_x;
     bool visited = false, open = false;
 };
-
-double distance_m(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    const Eigen::Vector2d way = b - a;
-    const double length2 = way.squaredNorm();
-    const double part = length2 > 0 ? std::clamp((point - a).dot(way) / length2, 0.0, 1.0) : 0;
-    return (a + part * way - point).norm();
-}
 
 class Office {
  public:
@@ -157,7 +151,8 @@ class Office {
 
     bool in_the_way(const Eigen::Vector2d& place, double size_m) const {
         for (std::size_t i = 0; i + 1 < plan_.route.size(); ++i)
-            if (distance_m(place, plan_.route[i], plan_.route[i + 1]) < free_way_m + size_m) return true;
+            if (distance_to_segment_m(place, plan_.route[i], plan_.route[i + 1]) < free_way_m + size_m)
+                return true;
         return false;
     }
 

@@ -3,109 +3,41 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "simulation/clutter.h"
+
 namespace loopline::simulation {
 namespace {
 
-ParameterTable world_table(FloorPlan& plan, Generator& generator) {
-    return ParameterTable("world", "Walls, in metres: drawn row by row, or by a generator from the seed.")
-        .choice("generator", generator,
-                {{"none", Generator::none}, {"office", Generator::office}, {"campus", Generator::campus}},
-                "Draws walls, route and people by the section of its name; none: the rows here and in "
-                "[route] do.")
-        .real("height_m", plan.height_m, {0.1, 1000}, "Height of the walls, and of the ceiling.")
-        .real("door_height_m", plan.door_height_m, {0.1, 1000}, "Above it, a door's wall goes on.")
-        .boolean("ceiling", plan.ceiling, "Whether there is one.")
-        .rows("wall_m", plan.walls, {4, 2}, "x y x y ...", "A chain of walls from corner to corner.")
-        .rows("door_m", plan.doors, {5, 0}, "x1 y1 x2 y2 depth",
-              "A part of a wall that is set back to the left of the way from its first to its second point.")
-        .rows("pilaster_m", plan.pilasters, {5, 0}, "x1 y1 x2 y2 depth",
-              "A part of a wall that stands out to the left of the way from its first to its second point.")
-        .rows("box_m", plan.boxes, {6, 0}, "x y length width turn height",
-              "A box on the ground: its middle, its size, and how far it is turned, in degrees.")
-        .rows("point_m", plan.points, {3, 0}, "number x y", "A corner that results are compared at.");
+/// A cart is not turned on the spot.
+constexpr int sharpest_turn_deg = 150;
+
+bool can_be_pushed_along(const Waypoints& route) {
+    return CartPath::sharpest_turn_rad(route) <= sharpest_turn_deg * M_PI / 180;
 }
 
-ParameterTable office_table(OfficeSettings& s) {
-    return ParameterTable("office", "Generator: offices around a ring of corridors.")
-        .integer("rooms", s.rooms, {1, 200}, "Rooms along a corridor, on each of its sides.")
-        .real("room_width_m", s.room_width_m, {3.5, 100}, "Along the corridor.")
-        .real("room_depth_m", s.room_depth_m, {3.5, 100}, "Away from it.")
-        .real("corridor_m", s.corridor_m, {1, 20}, "Width of the corridors.")
-        .real("wall_thickness_m", s.wall_m, {0.05, 1}, "Thickness of the walls.")
-        .real("door_width_m", s.door_m, {0.6, 1.2}, "Width of the doors.")
-        .real("open_doors", s.open_doors, {0, 1},
-              "Part of the doors that are open; those of visited rooms are.")
-        .integer("visits", s.visits, {0, 800}, "Rooms that the round leads through.")
-        .integer("clutter", s.clutter, {0, 100}, "Pieces of furniture in a room.")
-        .integer("people", s.people, {0, 1000}, "People who walk to and fro.");
-}
-
-ParameterTable campus_table(CampusSettings& s) {
-    return ParameterTable("campus", "Generator: streets between buildings with stepped fronts.")
-        .integer("walls", s.walls, {1, 1000000}, "Walls to draw, at least; no two on one line.")
-        .integer("columns", s.columns, {1, 1000}, "Buildings along a street.")
-        .real("street_m", s.street_m, {4, 100}, "Width of the streets.")
-        .real("gap_m", s.gap_m, {1, 100}, "From building to building along a street.")
-        .real("building_length_m", s.building_length_m, {2, 1000}, "Along the street.")
-        .real("building_depth_m", s.building_depth_m, {6, 1000}, "From street to street.")
-        .integer("sections", s.sections, {1, 100}, "Of a front, each set back by itself.")
-        .real("step_m", s.step_m, {0.1, 2.5}, "How far a section is set back at most.")
-        .angle("turned_deg", s.turned_rad, {0, 15}, "How far a building stands askew at most.")
-        .real("wall_height_m", s.height_m, {0.1, 1000}, "Height of the buildings.");
-}
-
-ParameterTable route_table(std::vector<Row>& waypoints, DriverSettings& s) {
-    return ParameterTable("route", "Where the vehicle drives, and how well it keeps to that.")
-        .rows("waypoint_m", waypoints, {2, 0}, "x y",
-              "From the first, which is the origin of the map, heading for the second, to the last.")
-        .angle("deadband_deg", s.deadband_rad, {0.1, 90}, "Heading error that calls for a short turn.")
-        .angle("approach_deg", s.approach_rad_per_m, {0, 90},
-               "Heading back to the leg for each metre beside it.")
-        .angle("max_approach_deg", s.max_approach_rad, {0, 90}, "At most.");
-}
-
-ParameterTable vehicle_table(VehicleSettings& v) {
-    return ParameterTable(
-               "vehicle",
-               "Two driven wheels that know three ways to drive: straight, left, right. Slip is what "
-               "wheels lose on the ground, and encoders do not see.")
-        .real("track_width_m", v.track_width_m, {0.05, 10}, "Distance of the wheels.")
-        .real("straight_mps", v.straight_mps, {0.001, 100}, "Speed of both wheels, driving straight.")
-        .real("turn_outer_mps", v.turn_outer_mps, {0.001, 100}, "Speed of the outer wheel in a turn.")
-        .real("turn_inner_mps", v.turn_inner_mps, {-100, 100}, "Speed of the inner wheel in a turn.")
-        .real("wheel_lag_s", v.wheel_lag_s, {0, 10}, "Time constant with which a wheel follows its command.")
-        .real("wander", v.wander, {0, 0.5},
-              "Standard deviation of wheel speeds about their command, as a part of it.")
-        .real("wander_s", v.wander_s, {0, 1000}, "Correlation time of that.")
-        .real("slip_straight", v.slip_straight, {-1, 1}, "Part of the way that is lost driving straight.")
-        .real("slip_turn_outer", v.slip_turn_outer, {-1, 1}, "Part that the outer wheel loses in a turn.")
-        .real("slip_turn_inner", v.slip_turn_inner, {-5, 5}, "Part that the inner wheel loses in a turn.")
-        .real("sigma_slip_turn", v.sigma_slip_turn, {0, 1},
-              "Standard deviation of the inner wheel's part, from one turn to the next.")
-        .real("sigma_straight_m", v.sigma_straight_m, {0, 1},
-              "Random way of a wheel after 1 m, driving straight.")
-        .real("sigma_turn_m", v.sigma_turn_m, {0, 1}, "Random way of a wheel after 1 m in turns.")
-        .real("sigma_side_m", v.sigma_side_m, {0, 1}, "Random way to the side after 1 m.")
-        .real("bumps_hz", v.bumps_hz, {0, 100}, "How often something on the ground turns the vehicle.")
-        .angle("sigma_bump_deg", v.sigma_bump_rad, {0, 90}, "By how much.");
+/// The route so many times in a row; the first waypoint of a lap is the last of the one before.
+Waypoints repeated(const Waypoints& route, int laps) {
+    Waypoints all = route;
+    for (int lap = 1; lap < laps; ++lap) all.insert(all.end(), route.begin() + 1, route.end());
+    return all;
 }
 
 }  // namespace
 
-ParameterTable Scenario::simulation_table() {
-    return ParameterTable("simulation", "Makes a log and its truth from a scenario.")
-        .seed("seed", seed, "For whatever is drawn at random: the same seed gives the same bytes.")
-        .list("sensors", sensors, "Sensors of the vehicle, each with the section of its name.")
-        .real("start_s", start_utc_s, {0, 4e9},
-              "Time of the first observations, in seconds since 1970 (UTC).")
-        .real("step_s", drive.step_s, {1e-4, 0.1}, "Step of the vehicle's motion.")
-        .real("control_s", drive.control_s, {1e-3, 10}, "Time from one command to the next.")
-        .real("longest_s", drive.longest_s, Range::positive(), "A drive that takes longer does not arrive.");
+Waypoints Scenario::drawn_route() const {
+    Waypoints route;
+    for (const Row& row : waypoints) route.emplace_back(row[0], row[1]);
+    return route;
 }
 
-std::vector<ParameterTable> Scenario::tables() {
-    return {simulation_table(),   world_table(plan, generator),   office_table(office),
-            campus_table(campus), route_table(waypoints, driver), vehicle_table(vehicle)};
+void Scenario::check_route(std::vector<ScenarioProblem>& problems) const {
+    const Waypoints route = drawn_route();
+    if (laps > 1 && (route.front() - route.back()).norm() > 0.01)
+        problems.push_back({"route", "laps", 0, "needs a last waypoint_m that is the first one"});
+    if (driving == Driving::pushed && !can_be_pushed_along(repeated(route, std::min(laps, 2))))
+        problems.push_back({"route", "drive", 0,
+                            "= pushed can't follow a route that turns back by more than " +
+                                std::to_string(sharpest_turn_deg) + " degrees at a waypoint_m"});
 }
 
 std::vector<ScenarioProblem> Scenario::check() const {
@@ -114,14 +46,20 @@ std::vector<ScenarioProblem> Scenario::check() const {
     std::vector<PlanProblem> plan_problems;
     build_world(plan, plan_problems);
     for (const auto& p : plan_problems) problems.push_back({"world", p.key, p.row, p.sentence});
-    if (!drawn && (!plan.walls.empty() || !plan.boxes.empty() || !waypoints.empty()))
+    if (!drawn && (!plan.walls.empty() || !plan.boxes.empty() || !plan.partitions.empty() ||
+                   !plan.clutter.empty() || !waypoints.empty()))
         problems.push_back(
             {"world", "generator", 0,
-             "draws walls and route by itself; remove wall_m, box_m and waypoint_m, or set it to none"});
+             "draws walls and route by itself; remove wall_m, box_m, partition_m, clutter_m and "
+             "waypoint_m, or set it to none"});
+    if (!drawn && laps > 1)
+        problems.push_back(
+            {"route", "laps", 0, "is for routes that are drawn; a generator's does not end at its start"});
     if (drawn && waypoints.size() < 2) problems.push_back({"route", "", 0, "needs two waypoint_m at least"});
     for (std::size_t i = 1; drawn && i < waypoints.size(); ++i)
         if (std::hypot(waypoints[i][0] - waypoints[i - 1][0], waypoints[i][1] - waypoints[i - 1][1]) < 0.1)
             problems.push_back({"route", "waypoint_m", i, "is less than 0.1 m from the one before it"});
+    if (drawn && waypoints.size() >= 2) check_route(problems);
     if (vehicle.turn_inner_mps >= vehicle.turn_outer_mps)
         problems.push_back(
             {"vehicle", "turn_inner_mps", 0, "is not below turn_outer_mps, so there would be no turn"});
@@ -130,17 +68,31 @@ std::vector<ScenarioProblem> Scenario::check() const {
     return problems;
 }
 
-std::unique_ptr<Scene> make_scene(const Scenario& s) {
+namespace {
+
+GeneratedPlan make_plan(const Scenario& s) {
+    if (s.generator == Generator::office) return make_office(s.office, s.plan.height_m, s.seed);
+    if (s.generator == Generator::campus) return make_campus(s.campus, s.seed);
     GeneratedPlan plan;
-    if (s.generator == Generator::office) {
-        plan = make_office(s.office, s.plan.height_m, s.seed);
-    } else if (s.generator == Generator::campus) {
-        plan = make_campus(s.campus, s.seed);
-    } else {
-        std::vector<PlanProblem> none;
-        plan.world = build_world(s.plan, none);
-        for (const Row& row : s.waypoints) plan.route.emplace_back(row[0], row[1]);
-    }
+    std::vector<PlanProblem> none;
+    plan.world = build_world(s.plan, none);
+    plan.route = s.drawn_route();
+    add_clutter(plan.world, s.plan.clutter, plan.route, s.plan.clutter_clear_m, s.seed);
+    return plan;
+}
+
+std::optional<Drive> make_drive(const Scenario& s, const Waypoints& route) {
+    const Waypoints all = repeated(route, s.laps);
+    if (s.driving == Driving::steered) return drive_route(all, s.drive, s.driver, s.vehicle, s.seed);
+    if (!can_be_pushed_along(all))
+        throw std::runtime_error("a cart can't be pushed along this route, which turns back on itself");
+    return push_along(all, s.push, s.drive, s.vehicle, s.seed);
+}
+
+}  // namespace
+
+std::unique_ptr<Scene> make_scene(const Scenario& s) {
+    GeneratedPlan plan = make_plan(s);
     // The map frame is the first pose.
     const Pose2 T_map_world = Driver(plan.route, s.driver, s.vehicle).start().inverse();
     for (auto& waypoint_m : plan.route) waypoint_m = T_map_world * waypoint_m;
@@ -151,11 +103,12 @@ std::unique_ptr<Scene> make_scene(const Scenario& s) {
         walker.to_m = T_map_world * walker.to_m;
         scene->walkers.push_back(walker);
     }
-    auto drive = drive_route(plan.route, s.drive, s.driver, s.vehicle, s.seed);
+    auto drive = make_drive(s, plan.route);
     if (!drive)
         throw std::runtime_error("the vehicle does not arrive within " + number_text(s.drive.longest_s) +
                                  " s; look at [route] and [vehicle], or raise [simulation] longest_s");
     scene->drive = std::move(*drive);
+    if (s.sigma_tilt_rad > 0) scene->drive.motion.put_on(UnevenFloor(s.sigma_tilt_rad, s.seed));
     scene->vehicle = s.vehicle;
     scene->start_ns = static_cast<StampNs>(std::llround(s.start_utc_s * 1e7)) * 100;
     scene->seed = s.seed;

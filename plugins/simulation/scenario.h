@@ -10,11 +10,13 @@
 #include "simulation/drive.h"
 #include "simulation/floor_plan.h"
 #include "simulation/office_plan.h"
+#include "simulation/pushed_drive.h"
 #include "simulation/sensor.h"
 
 namespace loopline::simulation {
 
 enum class Generator { none, office, campus };
+enum class Driving { steered, pushed };
 
 struct Scenario {
     std::uint64_t seed = 1;
@@ -24,7 +26,11 @@ struct Scenario {
     FloorPlan plan;
     OfficeSettings office;
     CampusSettings campus;
+    double sigma_tilt_rad = 0;  ///< slope of the floor
     std::vector<Row> waypoints;
+    int laps = 1;
+    Driving driving = Driving::steered;
+    PushSettings push;
     DriverSettings driver;
     VehicleSettings vehicle;
     DriveSettings drive;
@@ -32,6 +38,10 @@ struct Scenario {
     ParameterTable simulation_table();
     std::vector<ParameterTable> tables();  ///< of all sections
     std::vector<ScenarioProblem> check() const;
+    Waypoints drawn_route() const;  ///< of `waypoints`
+
+ private:
+    void check_route(std::vector<ScenarioProblem>& problems) const;
 };
 
 /// Builds the world, drives the route, and puts both into the map frame. Throws std::runtime_error if the

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/parameters.h"
+#include "api/simulator.h"
 #include "simulation/drive.h"
 #include "simulation/ray_caster.h"
 #include "simulation/walkers.h"
@@ -49,6 +50,8 @@ class Sensor {
     virtual StampNs next_time_ns() const = 0;
     /// Makes it. None that starts after the end of the drive is asked for.
     virtual mrpt::obs::CObservation::Ptr next() = 0;
+    /// What was true of the sensor itself, after the last observation.
+    virtual std::vector<TruthRow> truth() const { return {}; }
     /// What it did, as one sentence.
     virtual std::string summary() const { return {}; }
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "simulation/imu_sensor.h"
 #include "simulation/laser_sensors.h"
 #include "simulation/wheel_sensors.h"
 
@@ -16,6 +17,7 @@ std::vector<std::shared_ptr<Sensor>> all_sensors() {
     std::vector<std::shared_ptr<Sensor>> sensors;
     sensors.push_back(std::make_shared<CommandSensor>());
     sensors.push_back(std::make_shared<WheelSensor>());
+    sensors.push_back(std::make_shared<ImuSensor>());
     sensors.push_back(std::make_shared<HorizontalLaser>());
     sensors.push_back(std::make_shared<SurveyLaser>());
     return sensors;
@@ -47,7 +49,7 @@ ModuleInfo WorldSimulator::info() const {
             "Makes a log and its truth from a scenario.",
             {},
             {},
-            {"CObservationOdometry", "CObservationComment", "CObservation2DRangeScan"}};
+            {"CObservationOdometry", "CObservationComment", "CObservationIMU", "CObservation2DRangeScan"}};
 }
 
 ParameterTable WorldSimulator::parameters() {
@@ -106,6 +108,8 @@ void WorldSimulator::simulate(SimulationSink& sink) {
         if (made % 1000 == 0) sink.progress(seconds_between(0, time_ns), total_s);
     }
     sink.note("The drive takes " + number_text(std::round(total_s * 10) / 10) + " s.");
+    for (const Sensor* sensor : sensors)
+        for (const TruthRow& row : sensor->truth()) sink.truth(row);
     for (Sensor* sensor : sensors)
         if (const auto sentence = sensor->summary(); !sentence.empty()) sink.note(sentence);
 }

@@ -8,6 +8,7 @@
 #include "api/pose3.h"
 #include "api/stamp.h"
 #include "odometry/twist2.h"
+#include "simulation/uneven_floor.h"
 
 namespace loopline::simulation {
 
@@ -35,11 +36,31 @@ class TrueMotion {
         const double part = static_cast<double>(time_ns % step_ns_) / static_cast<double>(step_ns_);
         return poses_[step] * exp_se2(twists_[step] * part);
     }
-    Pose3 pose_at(StampNs time_ns) const { return Pose3(planar_pose_at(time_ns)); }
+    Pose3 pose_at(StampNs time_ns) const {
+        const Pose2 planar = planar_pose_at(time_ns);
+        return floor_.empty() ? Pose3(planar) : on_floor(planar, floor_at(time_ns));
+    }
+
+    /// From now on poses are those of a vehicle on this floor, whose frame is the map; the planar path stays.
+    void put_on(const UnevenFloor& floor) {
+        floor_.clear();
+        for (const Pose2& pose : poses_) floor_.push_back(floor.below(pose));
+    }
 
  private:
-    std::vector<Pose2> poses_;    ///< at the start of each step, and at the end of the last
-    std::vector<Twist2> twists_;  ///< of each step
+    FloorAttitude floor_at(StampNs time_ns) const {
+        if (time_ns <= 0) return floor_.front();
+        if (time_ns >= duration_ns()) return floor_.back();
+        const auto step = static_cast<std::size_t>(time_ns / step_ns_);
+        const double part = static_cast<double>(time_ns % step_ns_) / static_cast<double>(step_ns_);
+        const FloorAttitude &a = floor_[step], &b = floor_[step + 1];
+        return {a.z_m + part * (b.z_m - a.z_m), a.pitch_rad + part * (b.pitch_rad - a.pitch_rad),
+                a.roll_rad + part * (b.roll_rad - a.roll_rad)};
+    }
+
+    std::vector<Pose2> poses_;          ///< at the start of each step, and at the end of the last
+    std::vector<Twist2> twists_;        ///< of each step
+    std::vector<FloorAttitude> floor_;  ///< as poses_; empty: a level floor
     StampNs step_ns_ = 1;
 };
 

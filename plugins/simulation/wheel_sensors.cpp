@@ -17,6 +17,8 @@ ParameterTable WheelSensor::parameters() {
         .real("scale_left", settings_.scale_left, {0.5, 2},
               "Way of the left wheel that dead reckoning believes in, as a multiple of the rim's true way.")
         .real("scale_right", settings_.scale_right, {0.5, 2}, "The same of the right wheel.")
+        .real("sigma_scale", sigma_scale_, {0, 0.2},
+              "Standard deviation of an error of either wheel's scale that the seed draws.")
         .real("track_scale", track_scale_, {0.5, 2},
               "Track width that dead reckoning believes in, as a multiple of the vehicle's.");
 }
@@ -24,7 +26,11 @@ ParameterTable WheelSensor::parameters() {
 void WheelSensor::start(const Scene& scene) {
     scene_ = &scene;
     settings_.track_width_m = scene.vehicle.track_width_m * track_scale_;
-    encoders_ = std::make_unique<Encoders>(settings_, scene.drive);
+    EncoderSettings believed = settings_;
+    RandomStream random(scene.seed, name());
+    believed.scale_left += random.normal(sigma_scale_);
+    believed.scale_right += random.normal(sigma_scale_);
+    encoders_ = std::make_unique<Encoders>(believed, scene.drive);
     index_ = 0;
 }
 

@@ -18,6 +18,7 @@ class WheelSensor : public Sensor {
  private:
     double rate_hz_ = 20;
     double track_scale_ = 1;
+    double sigma_scale_ = 0;
     EncoderSettings settings_;
     const Scene* scene_ = nullptr;
     std::unique_ptr<Encoders> encoders_;

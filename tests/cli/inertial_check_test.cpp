@@ -39,7 +39,7 @@ std::string log_with_imu(const Folder& folder, const std::function<void(CObserva
         odometry->timestamp = stamp_to_mrpt(stamp_ns);
         odometry->odometry = {0.1 * t_s, 0, std::sin(t_s)};
         objects.push_back(odometry);
-        objects.push_back(scan(stamp_ns));
+        objects.push_back(scan(stamp_ns, "LASER", 181));
     }
     const std::string path = folder / "imu.rawlog";
     write_log(path, objects);

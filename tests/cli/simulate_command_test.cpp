@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 
 #include <cmath>
@@ -40,6 +41,25 @@ rate_hz = 10
 [survey_laser]
 rate_hz = 5
 sweep_s = 4
+)";
+
+const char* const cart = R"([simulation]
+seed = 5
+sensors = wheels imu horizontal_laser
+[world]
+sigma_tilt_deg = 0.2
+partition_m = -3 2  9 2  0.15
+clutter_m = -3 -4  9 -1  4
+[route]
+drive = pushed
+waypoint_m = 0 0
+waypoint_m = 6 0
+[cart]
+standstill_s = 5
+[imu]
+x_m = 0.1
+[horizontal_laser]
+rate_hz = 10
 )";
 
 class Simulate : public ::testing::Test {
@@ -245,6 +265,13 @@ TEST_F(Simulate, what_is_wrong_is_told_with_its_place_and_nothing_is_written) {
     wrong(corridor, {"--set simulation.sensors=lidar: [simulation] sensors names \"lidar\", which is none"},
           {"--set", "simulation.sensors=lidar"});
     wrong(corridor, {"the vehicle does not arrive within 3 s"}, {"--set", "simulation.longest_s=3"});
+    wrong(
+        "[route]\ndrive = pushed\nlaps = 2\nwaypoint_m = 0 0\nwaypoint_m = 9 0\nwaypoint_m = 1 0.5\n"
+        "[world]\npartition_m = 0 0 0 0 1\nclutter_m = 0 0 1 1 2.5\n",
+        {"wrong.ini:2: [route] drive = pushed can't follow a route that turns back by more than 150 degrees",
+         "wrong.ini:3: [route] laps needs a last waypoint_m that is the first one",
+         "wrong.ini:8: [world] partition_m is not longer and thicker than 1 mm",
+         "wrong.ini:9: [world] clutter_m has a number of pieces that is not whole"});
     wrong("[run]\nrawlog = x\n", {"wrong.ini:1: a scenario has no section [run]"});
     const auto run = run_loopline({"run", scenario(), "--out", (folder / "run").string()});
     EXPECT_EQ(run.exit_code, 2);
@@ -259,6 +286,43 @@ TEST_F(Simulate, what_is_wrong_is_told_with_its_place_and_nothing_is_written) {
     EXPECT_NE(nowhere.err.find("can't write"), std::string::npos);
 }
 
+TEST_F(Simulate, a_cart_carries_an_imu_and_the_truth_has_its_biases) {
+    const std::string file = folder.write("cart.ini", cart);
+    ASSERT_EQ(simulate(file, "a.rawlog").exit_code, 0);
+    ASSERT_EQ(simulate(file, "b.rawlog").exit_code, 0);
+    for (const char* extension : {".rawlog", ".truth.tum", ".truth.csv"})
+        EXPECT_EQ(file_text(folder / (std::string("a") + extension)),
+                  file_text(folder / (std::string("b") + extension)))
+            << extension;
+    ASSERT_EQ(simulate(file, "alone.rawlog", {"--set", "simulation.sensors=imu"}).exit_code, 0);
+    const auto a = all_of<mrpt::obs::CObservationIMU>((folder / "a.rawlog").string(), "imu");
+    const auto alone = all_of<mrpt::obs::CObservationIMU>((folder / "alone.rawlog").string(), "imu");
+    ASSERT_EQ(a.size(), alone.size());
+    ASSERT_GT(a.size(), 2000u);
+    Eigen::Vector3d mean_radps = Eigen::Vector3d::Zero();
+    constexpr int standing = 900;  // of 5 s at 200 Hz
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        ASSERT_EQ(a[i]->rawMeasurements, alone[i]->rawMeasurements) << "whatever the others do";
+        EXPECT_EQ(a[i]->sensorPose.x(), 0.1);
+        if (i < standing)
+            mean_radps += Eigen::Vector3d(a[i]->get(mrpt::obs::IMU_WX), a[i]->get(mrpt::obs::IMU_WY),
+                                          a[i]->get(mrpt::obs::IMU_WZ)) /
+                          standing;
+    }
+    std::istringstream lines(file_text(folder / "a.truth.csv"));
+    int biases = 0;
+    for (std::string line; std::getline(lines, line);) {
+        const auto words = split_words(line, ",");
+        if (words[0] != "imu_bias") continue;
+        ASSERT_EQ(words.size(), 8u);
+        EXPECT_EQ(std::stoi(words[1]), biases++);
+        for (int axis = 0; biases <= 4 && axis < 3; ++axis)
+            EXPECT_NEAR(std::stod(words[static_cast<std::size_t>(2 + axis)]), mean_radps[axis],
+                        0.02 * M_PI / 180);
+    }
+    EXPECT_NEAR(biases, static_cast<double>(a.size()) / 200, 1);
+}
+
 TEST_F(Simulate, interrupted_it_leaves_nothing) {
     const auto result =
         run_program({"timeout", "--preserve-status", "-s", "INT", "1", test::loopline_program(), "simulate",
@@ -270,7 +334,8 @@ TEST_F(Simulate, interrupted_it_leaves_nothing) {
 }
 
 TEST_F(Simulate, every_dataset_is_right) {
-    for (const char* name : {"ring_corridor", "ring_corridor_bare", "office", "campus_lines"}) {
+    for (const char* name : {"ring_corridor", "ring_corridor_bare", "office", "campus_lines", "cart_loops",
+                             "cart_corridor", "cart_twin_rooms"}) {
         const std::string file = std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/" + name + ".ini";
         // A moment is enough: that the vehicle does not arrive is said after everything else was found good.
         const auto result = simulate(file, "w.rawlog", {"--set", "simulation.longest_s=1"});

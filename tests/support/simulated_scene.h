@@ -1,12 +1,14 @@
 /// Scenarios of datasets/ as scenes, without the way through a rawlog.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "config/scenario.h"
 #include "simulation/encoders.h"
+#include "simulation/segment.h"
 #include "simulation/simulator_module.h"
 
 namespace loopline::test {
@@ -34,6 +36,18 @@ inline StampNs time_nearest_to(const simulation::Scene& scene, const Eigen::Vect
             best_ns = t;
         }
     return best_ns;
+}
+
+/// The nearest that the middle of the vehicle's axle comes to anything that stands on the floor.
+inline double clearance_m(const simulation::Scene& scene) {
+    double least_m = 1e9;
+    for (StampNs t = 0; t <= scene.duration_ns(); t += 150'000'000) {
+        const Eigen::Vector2d at_m = scene.drive.motion.planar_pose_at(t).translation();
+        for (const simulation::Wall& wall : scene.world.walls)
+            if (wall.bottom_m < 1)
+                least_m = std::min(least_m, simulation::distance_to_segment_m(at_m, wall.from_m, wall.to_m));
+    }
+    return least_m;
 }
 
 /// Where dead reckoning puts the scene's feature points: each through the poses of the moment when the

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "line_slam/pose_line_graph.h"
-#include "line_slam/selected_inverse.h"
+#include "least_squares/selected_inverse.h"
 #include "support/line_slam_world.h"
 
 using namespace loopline;
@@ -91,13 +91,13 @@ TEST(LineSlamGraph, selected_inverse_equals_the_dense_one) {
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
         for (int k = 0; k < 3 * n; ++k) A(random() % n, random() % n) += uniform(random);
         const Eigen::MatrixXd H = A * A.transpose() + Eigen::MatrixXd::Identity(n, n);
-        SparseLdlt ldlt(Eigen::SparseMatrix<double>(H.sparseView()));
-        const auto inverse = selected_inverse(ldlt);
+        least_squares::SparseLdlt ldlt(Eigen::SparseMatrix<double>(H.sparseView()));
+        const auto inverse = least_squares::selected_inverse(ldlt);
         const Eigen::MatrixXd dense = H.inverse();
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j)
                 if (H(i, j) != 0) {
-                    EXPECT_NEAR(selected_entry(inverse, ldlt, i, j), dense(i, j), 1e-10);
+                    EXPECT_NEAR(least_squares::selected_entry(inverse, ldlt, i, j), dense(i, j), 1e-10);
                 }
     }
 }

@@ -231,6 +231,7 @@ TEST(LogSource, the_ini_knows_better_where_a_sensor_sits) {
     mount.yaw_rad = M_PI / 2;
     mount.range_scale = 1.05;
     mount.range_offset_m = 0.03;
+    mount.aperture_rad = 2.5;
     LogSource source({folder / "log"}, {}, Mounting(mount));
     const auto items = stream(source);
     ASSERT_EQ(items.size(), 2u);
@@ -245,6 +246,11 @@ TEST(LogSource, the_ini_knows_better_where_a_sensor_sits) {
     };
     EXPECT_FLOAT_EQ(range_m(0), 1.0f);
     EXPECT_FLOAT_EQ(range_m(1), 1.08f);
+    const auto aperture_rad = [&](std::size_t i) {
+        return dynamic_cast<const CObservation2DRangeScan&>(*items[i].observation).aperture;
+    };
+    EXPECT_FLOAT_EQ(aperture_rad(0), 3.0f);
+    EXPECT_FLOAT_EQ(aperture_rad(1), 2.5f);
 }
 
 TEST(LogSource, two_sensors_with_one_label_are_noticed) {

@@ -45,6 +45,27 @@ std::string beams_text(const SensorFacts& facts) {
     return text.data();
 }
 
+/// A scanner steps by a round part of a degree. Where the aperture is that of one beam more than there are, the log has
+/// most likely forgotten that n beams make n - 1 steps, and every angle is a little off.
+std::vector<std::string> aperture_doubts(const LogFacts& facts) {
+    std::vector<std::string> sentences;
+    for (const auto& [key, sensor] : facts.sensors()) {
+        if (sensor.beams < 3) continue;
+        const double aperture_deg = static_cast<double>(sensor.aperture_rad) * 180 / M_PI,
+                     step_deg = aperture_deg / static_cast<double>(sensor.beams);
+        const bool round = std::abs(step_deg * 8 - std::round(step_deg * 8)) < 1e-3;
+        if (!round) continue;
+        std::array<char, 320> text{};
+        std::snprintf(text.data(), text.size(),
+                      " has %zu beams over %.4g deg, which is a step of %.4g deg; if the scanner steps by %.4g deg, set "
+                      "[mount] aperture_deg = %.5g",
+                      sensor.beams, aperture_deg, aperture_deg / static_cast<double>(sensor.beams - 1), step_deg,
+                      aperture_deg - step_deg);
+        sentences.push_back(sensor_name({short_class_name(key.first), key.second}) + text.data());
+    }
+    return sentences;
+}
+
 std::string sensors_text(const LogFacts& facts, const LogSurvey& survey, std::size_t width) {
     const StampNs start_ns = survey.earliest_stamp_ns();
     std::map<LogFacts::SensorKey, std::string> beams;
@@ -114,6 +135,7 @@ CheckReport check_report(const Experiment& experiment, const LogSource& source, 
     if (!nothing) append(faults, needs.missing);
     std::vector<std::string> warnings = source.warnings();
     append(warnings, survey.complaints());
+    append(warnings, aperture_doubts(source.facts()));
     if (!nothing) append(warnings, needs.undrawn);
 
     CheckReport report;

@@ -27,6 +27,7 @@ struct MountSettings {
     double x_m = 0, y_m = 0, z_m = 0;
     double yaw_rad = 0, pitch_rad = 0, roll_rad = 0;
     double range_scale = 1, range_offset_m = 0;  ///< true range = scale x range + offset
+    double aperture_rad = 0;                     ///< from the first beam to the last; 0: as the log says
 };
 
 /// [outputs]

@@ -25,7 +25,7 @@ ParameterTable run_table(RunSettings& settings) {
 ParameterTable mount_table(MountSettings& settings) {
     ParameterTable table(
         "mount",
-        "Where sensors sit on the vehicle and what their ranges lack, in place of what the log says.");
+        "Where sensors sit on the vehicle and what their scans lack, in place of what the log says.");
     table.list("sensors", settings.sensors, "Labels of the sensors that this is about; empty: none.")
         .real("x_m", settings.x_m, Range::any(), "Forward of the vehicle's origin.")
         .real("y_m", settings.y_m, Range::any(), "To the left of it.")
@@ -36,7 +36,9 @@ ParameterTable mount_table(MountSettings& settings) {
         .real("range_scale", settings.range_scale, {0.1, 10},
               "Of a laser: true range = range_scale x range + range_offset_m.")
         .real("range_offset_m", settings.range_offset_m, {-10, 10},
-              "What its ranges are short of, beside their scale.");
+              "What its ranges are short of, beside their scale.")
+        .angle("aperture_deg", settings.aperture_rad, {0, 360},
+               "Angle from its first beam to its last; 0: as the log says. 180 beams at 1 degree cover 179.");
     return table;
 }
 

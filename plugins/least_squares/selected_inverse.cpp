@@ -1,9 +1,9 @@
-#include "line_slam/selected_inverse.h"
+#include "least_squares/selected_inverse.h"
 
 #include <algorithm>
 #include <vector>
 
-namespace loopline::line_slam {
+namespace loopline::least_squares {
 
 // With Z = H^-1 in elimination order and L unit lower triangular, Z = D^-1 L^-1 + (I - L^T) Z gives, from the
 // last column to the first, with the sums over the pattern of L's column j:
@@ -72,4 +72,4 @@ double selected_entry(const Eigen::SparseMatrix<double>& inverse, const SparseLd
     return inverse.coeff(std::max(a, b), std::min(a, b));
 }
 
-}  // namespace loopline::line_slam
+}  // namespace loopline::least_squares

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace loopline::line_slam {
+namespace loopline::least_squares {
 
 /// Quantile of the standard normal distribution for `probability` in (0.5, 1). Abramowitz and Stegun 26.2.23;
 /// error below 5e-4.
@@ -20,4 +20,4 @@ inline double chi_square_quantile(double degrees_of_freedom, double probability)
     return degrees_of_freedom * std::pow(1 - h + z * std::sqrt(h), 3);
 }
 
-}  // namespace loopline::line_slam
+}  // namespace loopline::least_squares

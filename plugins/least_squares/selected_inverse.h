@@ -5,7 +5,7 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
-namespace loopline::line_slam {
+namespace loopline::least_squares {
 
 using SparseLdlt = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
 
@@ -17,4 +17,4 @@ Eigen::SparseMatrix<double> selected_inverse(const SparseLdlt& ldlt);
 double selected_entry(const Eigen::SparseMatrix<double>& inverse, const SparseLdlt& ldlt, Eigen::Index row,
                       Eigen::Index col);
 
-}  // namespace loopline::line_slam
+}  // namespace loopline::least_squares

@@ -1,0 +1,232 @@
+#include "grid_map/refinement.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+namespace loopline::grid_map {
+namespace {
+
+/// Where the map has a surface for a return: a point of it, and its normal.
+struct Correspondence {
+    Eigen::Vector2d p_map_m, normal_map;
+    bool found = false;
+};
+
+/// Pieces of surface around a return, of which the nearest one and those that continue it are averaged.
+class NearbySurfaces {
+ public:
+    explicit NearbySurfaces(double reach2) : nearest2_(reach2) {}
+
+    /// A piece at `dx`, `dy` from the return.
+    void add(float dx, float dy, float nx, float ny, float weight) {
+        if (count_ == pieces_.size()) return;
+        const float d2 = dx * dx + dy * dy;
+        if (d2 < nearest2_) {
+            nearest2_ = d2;
+            nearest_ = count_;
+        }
+        pieces_[count_++] = {dx, dy, nx, ny, d2, weight};
+    }
+
+    /// `scale`: over which a piece counts less the farther it is than the nearest one.
+    Correspondence average(const Eigen::Vector2d& p_map_m, double unit_m, float scale) const {
+        Correspondence c;
+        if (nearest_ == none) return c;
+        const Piece& nearest = pieces_[nearest_];
+        const float per_scale2 = 1 / (scale * scale);
+        float sum_x = 0, sum_y = 0, sum_nx = 0, sum_ny = 0, sum_w = 0;
+        for (std::size_t k = 0; k < count_; ++k) {
+            const Piece& q = pieces_[k];
+            if (q.nx * nearest.nx + q.ny * nearest.ny < 0.8F) continue;
+            // Falls like a Gaussian, and is quick to compute.
+            const float part = std::max(0.0F, 1 - (q.d2 - nearest.d2) * per_scale2 * 0.125F), w = q.weight * part * part * part * part;
+            sum_x += w * q.dx;
+            sum_y += w * q.dy;
+            sum_nx += w * q.nx;
+            sum_ny += w * q.ny;
+            sum_w += w;
+        }
+        c.found = true;
+        c.p_map_m = p_map_m + Eigen::Vector2d(sum_x, sum_y) * (unit_m / static_cast<double>(sum_w));
+        c.normal_map = Eigen::Vector2d(sum_nx, sum_ny).normalized();
+        return c;
+    }
+
+ private:
+    struct Piece {
+        float dx, dy, nx, ny, d2, weight;
+    };
+    static constexpr std::size_t none = ~std::size_t{0};
+    std::array<Piece, 64> pieces_;
+    std::size_t count_ = 0, nearest_ = none;
+    float nearest2_;
+};
+
+/// Surfaces of a grid: one piece a cell.
+class GridSurfaces {
+ public:
+    GridSurfaces(const ScanGrid& grid, double reach_m)
+        : grid_(grid),
+          reach_cells_(reach_m / grid.cell_m()),
+          radius_(std::clamp(static_cast<int>(std::ceil(reach_cells_ - 0.5)), 1, 3)) {}
+
+    Correspondence at(const Eigen::Vector2d& p_map_m, const Eigen::Vector2d& normal) const {
+        const CellIndex cell = grid_.cell_of(p_map_m.x(), p_map_m.y());
+        const auto px = static_cast<float>(p_map_m.x() / grid_.cell_m() - cell.x),
+                   py = static_cast<float>(p_map_m.y() / grid_.cell_m() - cell.y), nx = static_cast<float>(normal.x()),
+                   ny = static_cast<float>(normal.y());
+        NearbySurfaces nearby(reach_cells_ * reach_cells_);
+        grid_.surfaces().visit_window(
+            cell.x - radius_, cell.y - radius_, cell.x + radius_, cell.y + radius_, [&](int x, int y, const Surface& s) {
+                if (s.returns == 0) return;
+                const auto returns = static_cast<float>(s.returns), snx = static_cast<float>(s.sum_nx),
+                           sny = static_cast<float>(s.sum_ny);
+                const float facing = nx * snx + ny * sny, length2 = snx * snx + sny * sny;
+                // None where normals cancel: at an edge, or where hardly a return knows its normal.
+                if (facing <= 0 || facing * facing < 0.5F * length2 || length2 < 0.09F * 1048576 * returns * returns) return;
+                const float per = 1 / (1024 * returns), per_length = 1 / std::sqrt(length2);
+                nearby.add(static_cast<float>(x - cell.x) + static_cast<float>(s.sum_x) * per - px,
+                           static_cast<float>(y - cell.y) + static_cast<float>(s.sum_y) * per - py, snx * per_length,
+                           sny * per_length, std::min(returns, 20.0F));
+            });
+        return nearby.average(p_map_m, grid_.cell_m(), 1);
+    }
+
+ private:
+    const ScanGrid& grid_;
+    double reach_cells_;
+    int radius_;
+};
+
+/// Surfaces of a few frames: one piece a return.
+class IndexedSurfaces {
+ public:
+    IndexedSurfaces(const SurfaceIndex& index, double reach_m) : index_(index), reach2_m2_(static_cast<float>(reach_m * reach_m)) {}
+
+    Correspondence at(const Eigen::Vector2d& p_map_m, const Eigen::Vector2d& normal) const {
+        const auto px = static_cast<float>(p_map_m.x()), py = static_cast<float>(p_map_m.y()),
+                   nx = static_cast<float>(normal.x()), ny = static_cast<float>(normal.y());
+        NearbySurfaces nearby(reach2_m2_);
+        index_.near(p_map_m.x(), p_map_m.y(), [&](const SurfaceIndex::Point& q) {
+            const float dx = q.x - px, dy = q.y - py;
+            if (dx * dx + dy * dy < reach2_m2_ && q.nx * nx + q.ny * ny > 0.7F) nearby.add(dx, dy, q.nx, q.ny, 1);
+        });
+        return nearby.average(p_map_m, 1, 0.05F);
+    }
+
+ private:
+    const SurfaceIndex& index_;
+    float reach2_m2_;
+};
+
+struct NormalEquations {
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    double squares = 0;
+    int used = 0, of = 0;
+};
+
+/// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p).
+template <class Surfaces>
+NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const std::vector<float>& weights, const Pose2& T,
+                          const RefinementSettings& settings) {
+    NormalEquations sums;
+    const double c = std::cos(T.phi_rad), s = std::sin(T.phi_rad), per_sigma2 = 1 / (settings.sigma_m * settings.sigma_m);
+    for (std::size_t i = 0; i < frame.points.size(); ++i) {
+        const SurfacePoint& point = frame.points[i];
+        if (!point.has_normal()) continue;
+        ++sums.of;
+        const double px = point.p_base_m.x(), py = point.p_base_m.y(), nx = point.normal_base.x(), ny = point.normal_base.y();
+        const Eigen::Vector2d turned(c * px - s * py, s * px + c * py), normal(c * nx - s * ny, s * nx + c * ny);
+        const Eigen::Vector2d p_map(T.x_m + turned.x(), T.y_m + turned.y());
+        const Correspondence surface = surfaces.at(p_map, normal);
+        if (!surface.found) continue;
+        const double e = surface.normal_map.dot(p_map - surface.p_map_m);
+        // Cauchy's weight: what is three sigmas off counts a tenth.
+        const double w = static_cast<double>(weights[i]) * per_sigma2 / (1 + e * e * per_sigma2);
+        const Eigen::Vector3d j(surface.normal_map.x(), surface.normal_map.y(),
+                                -surface.normal_map.x() * turned.y() + surface.normal_map.y() * turned.x());
+        sums.information += w * j * j.transpose();
+        sums.gradient -= w * e * j;
+        sums.squares += e * e;
+        ++sums.used;
+    }
+    return sums;
+}
+
+/// A wall errs as a whole over some length: returns closer together than that share one voice.
+void independence(const Frame& frame, double correlation_m, std::vector<float>& weights) {
+    weights.assign(frame.points.size(), 1);
+    static const double SA=getenv("SANG")?atof(getenv("SANG"))*M_PI/180:0, SR=getenv("SRNG")?atof(getenv("SRNG")):0; 
+    if (SA>0||SR>0) for (std::size_t i=0;i<frame.points.size();++i){ Eigen::Vector2f d=frame.points[i].p_base_m-frame.p_base_sensor_m; float r=d.norm(); float c=frame.points[i].normal_base.dot(d)/r; float e2=r*r*SA*SA*(1-c*c)+SR*SR*r*r; weights[i]=1/(1+e2/0.0009F);}
+    if (correlation_m <= 0) return;
+    for (std::size_t i = 0; i < frame.points.size(); ++i) {
+        float along = 0;
+        int sides = 0;
+        if (i > 0) along += (frame.points[i].p_base_m - frame.points[i - 1].p_base_m).norm(), ++sides;
+        if (i + 1 < frame.points.size()) along += (frame.points[i + 1].p_base_m - frame.points[i].p_base_m).norm(), ++sides;
+        if (sides > 0) weights[i] *= std::min(1.0F, along / static_cast<float>(sides) / static_cast<float>(correlation_m));
+    }
+}
+
+template <class Surfaces>
+ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map_start, const Pose2& T_map_prior,
+                const Eigen::Matrix3d& prior_information, const RefinementSettings& settings) {
+    ScanFit result;
+    result.T_map_base = T_map_start;
+    thread_local std::vector<float> weights;
+    independence(frame, settings.correlation_m, weights);
+    NormalEquations sums;
+    for (int i = 0; i < settings.iterations; ++i) {
+        Pose2& T = result.T_map_base;
+        sums = linearise(surfaces, frame, weights, T, settings);
+        if (i == 3 && sums.used < settings.give_up_fit * sums.of) break;
+        const Eigen::Vector3d off(T_map_prior.x_m - T.x_m, T_map_prior.y_m - T.y_m, wrap_to_pi(T_map_prior.phi_rad - T.phi_rad));
+        const Eigen::Matrix3d information = sums.information + prior_information;
+        const Eigen::LDLT<Eigen::Matrix3d> solver(information + 1e-6 * Eigen::Matrix3d::Identity());
+        const Eigen::Vector3d step = solver.solve(sums.gradient + prior_information * off);
+        if (!step.allFinite()) break;
+        T = {T.x_m + step.x(), T.y_m + step.y(), wrap_to_pi(T.phi_rad + step.z())};
+        if (step.head<2>().norm() < settings.enough_m && std::abs(step.z()) < settings.enough_rad) {
+            result.converged = true;
+            break;
+        }
+    }
+    result.information = sums.information;
+    result.gradient = sums.gradient;
+    result.used = sums.used;
+    result.fit = sums.of > 0 ? static_cast<double>(sums.used) / sums.of : 0;
+    result.rms_m = sums.used > 0 ? std::sqrt(sums.squares / sums.used) : 0;
+    return result;
+}
+
+}  // namespace
+
+ScanFit refine(const ScanGrid& grid, const Frame& frame, const Pose2& T_map_start, const Pose2& T_map_prior,
+               const Eigen::Matrix3d& prior_information, const RefinementSettings& settings) {
+    return refined(GridSurfaces(grid, settings.reach_m), frame, T_map_start, T_map_prior, prior_information, settings);
+}
+
+ScanFit refine(const SurfaceIndex& map, const Frame& frame, const Pose2& T_map_start, const Pose2& T_map_prior,
+               const Eigen::Matrix3d& prior_information, const RefinementSettings& settings) {
+    return refined(IndexedSurfaces(map, settings.reach_m), frame, T_map_start, T_map_prior, prior_information, settings);
+}
+
+Degeneracy degeneracy(const ScanFit& fit, double mean_range_m, double sigma_limit_m) {
+    // A heading counts by what it moves at the mean range, so that all three have one unit.
+    const Eigen::Vector3d scale(1, 1, 1 / std::max(mean_range_m, 0.1));
+    const Eigen::Matrix3d scaled = scale.asDiagonal() * fit.information * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scaled);
+    Degeneracy d;
+    for (int k = 0; k < 3; ++k)
+        if (eigen.eigenvalues()[k] < 1 / (sigma_limit_m * sigma_limit_m)) ++d.free_directions;
+    d.weakest_sigma_m = 1 / std::sqrt(std::max(eigen.eigenvalues()[0], 1e-12));
+    d.direction_rad = std::atan2(eigen.eigenvectors()(1, 0), eigen.eigenvectors()(0, 0));
+    return d;
+}
+
+}  // namespace loopline::grid_map

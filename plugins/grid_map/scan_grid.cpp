@@ -1,0 +1,161 @@
+#include "grid_map/scan_grid.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace loopline::grid_map {
+namespace {
+
+constexpr int fraction = 1024;
+constexpr int kernel_radius = 3;
+constexpr int kernel_side = 2 * kernel_radius + 1;
+
+/// 255 exp(-d^2 / 2) for d in cells: what a return is worth that lies beside a cell with one.
+const std::array<std::uint8_t, kernel_side * kernel_side>& kernel() {
+    static const auto values = [] {
+        std::array<std::uint8_t, kernel_side * kernel_side> k{};
+        for (int y = -kernel_radius; y <= kernel_radius; ++y)
+            for (int x = -kernel_radius; x <= kernel_radius; ++x)
+                k[static_cast<std::size_t>((y + kernel_radius) * kernel_side + x + kernel_radius)] =
+                    static_cast<std::uint8_t>(std::lround(ScanGrid::full_likelihood * std::exp(-0.5 * (x * x + y * y))));
+        return k;
+    }();
+    return values;
+}
+
+std::uint8_t kernel_at(int dx, int dy) {
+    return kernel()[static_cast<std::size_t>((dy + kernel_radius) * kernel_side + dx + kernel_radius)];
+}
+
+}  // namespace
+
+void ScanGrid::apply(const Frame& frame, const Pose2& T_map_base, int sign) {
+    const double c = std::cos(T_map_base.phi_rad), s = std::sin(T_map_base.phi_rad);
+    const Eigen::Vector2d origin_m = T_map_base * frame.p_base_sensor_m.cast<double>();
+    for (const SurfacePoint& point : frame.points) {
+        const double px = point.p_base_m.x(), py = point.p_base_m.y(), nx = point.normal_base.x(), ny = point.normal_base.y();
+        const Eigen::Vector2d p_map_m(T_map_base.x_m + c * px - s * py, T_map_base.y_m + s * px + c * py);
+        const double u = p_map_m.x() / settings_.cell_m, v = p_map_m.y() / settings_.cell_m;
+        const CellIndex cell{floor_to_int(u), floor_to_int(v)};
+        Surface& surface = surfaces_.at(cell.x, cell.y);
+        const auto whole = [](double part) { return static_cast<std::int32_t>(std::lround(part * fraction)); };
+        const bool was_empty = surface.returns == 0;
+        surface.returns += sign;
+        surface.sum_x += sign * whole(u - cell.x);
+        surface.sum_y += sign * whole(v - cell.y);
+        surface.sum_nx += sign * whole(c * nx - s * ny);
+        surface.sum_ny += sign * whole(s * nx + c * ny);
+        if (was_empty) raise_likelihood(cell);
+        if (surface.returns == 0) mark_for_settling(cell);
+        if (settings_.free_space) add_pass(origin_m, p_map_m, sign);
+    }
+}
+
+/// The cells from the sensor to a return, without that of the return (Amanatides and Woo 1987).
+void ScanGrid::add_pass(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m, int sign) {
+    const Eigen::Vector2d from = from_m / settings_.cell_m, to = to_m / settings_.cell_m, way = to - from;
+    int x = floor_to_int(from.x()), y = floor_to_int(from.y());
+    const int last_x = floor_to_int(to.x()), last_y = floor_to_int(to.y());
+    const int step_x = way.x() > 0 ? 1 : -1, step_y = way.y() > 0 ? 1 : -1;
+    const double per_x = 1 / std::max(std::abs(way.x()), 1e-12), per_y = 1 / std::max(std::abs(way.y()), 1e-12);
+    double at_x = (step_x > 0 ? x + 1 - from.x() : from.x() - x) * per_x,
+           at_y = (step_y > 0 ? y + 1 - from.y() : from.y() - y) * per_y;
+    for (int left = std::abs(last_x - x) + std::abs(last_y - y); left > 0; --left) {
+        passes_.at(x, y) += sign;
+        if (at_x < at_y) {
+            x += step_x;
+            at_x += per_x;
+        } else {
+            y += step_y;
+            at_y += per_y;
+        }
+    }
+}
+
+void ScanGrid::raise_likelihood(CellIndex cell) {
+    for (int dy = -kernel_radius; dy <= kernel_radius; ++dy)
+        for (int dx = -kernel_radius; dx <= kernel_radius; ++dx) {
+            const std::uint8_t value = kernel_at(dx, dy);
+            const int x = cell.x + dx, y = cell.y + dy;
+            std::uint8_t& level_0 = likelihood_[0].at(x, y);
+            if (value <= level_0) continue;
+            level_0 = value;
+            for (int h = 1; h < levels; ++h) {
+                const int bx = x >> h, by = y >> h;
+                bool raised = false;
+                for (int k = 0; k < 4; ++k) {
+                    std::uint8_t& bound = likelihood_[h].at(bx - (k & 1), by - (k >> 1));
+                    raised = raised || bound < value;
+                    bound = std::max(bound, value);
+                }
+                if (!raised) break;  // then no coarser one is raised either
+            }
+        }
+}
+
+void ScanGrid::mark_for_settling(CellIndex emptied) {
+    constexpr int bits = SparseArray<std::uint8_t>::tile_bits;
+    for (int ty = (emptied.y - kernel_radius) >> bits; ty <= (emptied.y + kernel_radius) >> bits; ++ty)
+        for (int tx = (emptied.x - kernel_radius) >> bits; tx <= (emptied.x + kernel_radius) >> bits; ++tx)
+            unsettled_.emplace(tx, ty);
+}
+
+void ScanGrid::settle() {
+    for (const auto& [x, y] : unsettled_) settle_tile(x, y);
+    // A coarser level looks at the cells of the next tiles too, so these must be done.
+    constexpr int bits = SparseArray<std::uint8_t>::tile_bits, side = SparseArray<std::uint8_t>::tile_side;
+    for (int h = 1; h < levels; ++h) {
+        // Level 1 covers four cells to each side, a coarser one two even blocks of the level below it.
+        const int parts = h == 1 ? 4 : 2, stride = h == 1 ? 1 : 2;
+        for (const auto& [tx, ty] : unsettled_)
+            for (int y = ((ty << bits) >> h) - 1; y <= ((ty << bits) + side - 1) >> h; ++y)
+                for (int x = ((tx << bits) >> h) - 1; x <= ((tx << bits) + side - 1) >> h; ++x) {
+                    std::uint8_t best = 0;
+                    for (int dy = 0; dy < parts; ++dy)
+                        for (int dx = 0; dx < parts; ++dx)
+                            best = std::max(best, likelihood_[h - 1].value(2 * x + dx * stride, 2 * y + dy * stride));
+                    if (best != likelihood_[h].value(x, y)) likelihood_[h].at(x, y) = best;
+                }
+    }
+    unsettled_.clear();
+}
+
+/// Level 0 of a tile anew.
+void ScanGrid::settle_tile(int tile_x, int tile_y) {
+    constexpr int side = SparseArray<std::uint8_t>::tile_side;
+    const int x0 = tile_x * side, y0 = tile_y * side;
+    std::array<std::uint8_t, side * side> values{};
+    surfaces_.visit_window(
+        x0 - kernel_radius, y0 - kernel_radius, x0 + side - 1 + kernel_radius, y0 + side - 1 + kernel_radius,
+        [&](int x, int y, const Surface& surface) {
+            if (surface.returns == 0) return;
+            for (int cy = std::max(0, y - y0 - kernel_radius); cy <= std::min(side - 1, y - y0 + kernel_radius); ++cy)
+                for (int cx = std::max(0, x - x0 - kernel_radius); cx <= std::min(side - 1, x - x0 + kernel_radius); ++cx) {
+                    auto& value = values[static_cast<std::size_t>(cy * side + cx)];
+                    value = std::max(value, kernel_at(x0 + cx - x, y0 + cy - y));
+                }
+        });
+    for (int c = 0; c < side * side; ++c) likelihood_[0].at(x0 + c % side, y0 + c / side) = values[static_cast<std::size_t>(c)];
+}
+
+std::size_t ScanGrid::bytes() const {
+    std::size_t total = surfaces_.tiles() * SparseArray<Surface>::bytes_of_tile() +
+                        passes_.tiles() * SparseArray<std::int32_t>::bytes_of_tile();
+    for (const auto& level : likelihood_) total += level.tiles() * SparseArray<std::uint8_t>::bytes_of_tile();
+    return total;
+}
+
+bool ScanGrid::operator==(const ScanGrid& other) const {
+    bool same = surfaces_ == other.surfaces_ && passes_ == other.passes_;
+    for (int h = 0; h < levels; ++h) same = same && likelihood_[h] == other.likelihood_[h];
+    return same;
+}
+
+void ScanGrid::drop_empty_tiles() {
+    surfaces_.drop_empty_tiles();
+    passes_.drop_empty_tiles();
+    for (auto& level : likelihood_) level.drop_empty_tiles();
+}
+
+}  // namespace loopline::grid_map

@@ -1,0 +1,55 @@
+#include "grid_slam/forward_match.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace loopline::grid_slam {
+namespace {
+
+double mean_range_m(const grid_map::Frame& frame) {
+    double sum = 0;
+    for (const auto& point : frame.points) sum += static_cast<double>((point.p_base_m - frame.p_base_sensor_m).norm());
+    return frame.points.empty() ? 1 : sum / static_cast<double>(frame.points.size());
+}
+
+grid_map::SearchWindow window_for(const Pose2& T_map_prior, const Eigen::Matrix3d& covariance, double cell_m,
+                                  const ForwardSettings& settings) {
+    grid_map::SearchWindow window;
+    window.T_map_center = T_map_prior;
+    window.sigma_x_m = std::sqrt(covariance(0, 0));
+    window.sigma_y_m = std::sqrt(covariance(1, 1));
+    window.sigma_phi_rad = std::sqrt(covariance(2, 2));
+    const auto steps = [&](double sigma, double most, double step) {
+        return static_cast<int>(std::ceil(std::min(settings.window_sigmas * sigma, most) / step));
+    };
+    window.cells_x = steps(window.sigma_x_m, settings.max_window_m, cell_m);
+    window.cells_y = steps(window.sigma_y_m, settings.max_window_m, cell_m);
+    window.heading_step_rad = settings.heading_step_rad;
+    window.headings = steps(window.sigma_phi_rad, settings.max_window_rad, window.heading_step_rad);
+    return window;
+}
+
+}  // namespace
+
+ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame& frame, const Pose2& T_map_prior,
+                           const Eigen::Matrix3d& prior_covariance, const ForwardSettings& settings) {
+    ForwardMatch match;
+    match.T_map_base = T_map_prior;
+    match.covariance = prior_covariance;
+    const auto points = grid_map::search_points(frame, static_cast<std::size_t>(settings.search_points));
+    if (points.empty()) return match;
+    const auto found = grid_map::branch_and_bound(grid, points, window_for(T_map_prior, prior_covariance, grid.cell_m(), settings));
+    const Eigen::Matrix3d prior_information = prior_covariance.inverse();
+    const grid_map::ScanFit fit = grid_map::refine(grid, frame, found ? found->T_map_base : T_map_prior, T_map_prior,
+                                                   prior_information, settings.refinement);
+    match.fit = fit.fit;
+    match.degeneracy = grid_map::degeneracy(fit, mean_range_m(frame), settings.sigma_degenerate_m);
+    if (fit.fit < settings.min_fit) return match;
+    match.matched = true;
+    match.T_map_base = fit.T_map_base;
+    match.covariance = (prior_information + fit.information).inverse();
+    return match;
+}
+
+}  // namespace loopline::grid_slam

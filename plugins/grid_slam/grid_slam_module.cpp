@@ -1,0 +1,150 @@
+#include "grid_slam/grid_slam_module.h"
+
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "api/observation_class.h"
+
+namespace loopline {
+IMPLEMENTS_MRPT_OBJECT(GridSlamModule, Module, loopline)
+
+namespace {
+
+using namespace grid_slam;
+
+mrpt::obs::CObservationRobotPose::Ptr pose_observation(const Pose2& T_map_base, const Eigen::Matrix3d& covariance) {
+    auto observation = mrpt::obs::CObservationRobotPose::Create();
+    observation->sensorLabel = GridSlamModule::published_label;
+    observation->pose.mean = mrpt::poses::CPose3D(T_map_base.x_m, T_map_base.y_m, 0, T_map_base.phi_rad, 0, 0);
+    observation->pose.cov.setZero();
+    constexpr int index[3] = {0, 1, 3};  // x, y, yaw of MRPT's (x y z yaw pitch roll)
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) observation->pose.cov(index[row], index[column]) = covariance(row, column);
+    return observation;
+}
+
+}  // namespace
+
+ModuleInfo GridSlamModule::info() const {
+    return {"grid_slam",
+            "Maps with a planar laser on a grid, finds loops of the path by itself and corrects them.",
+            {"CObservation2DRangeScan", "CObservationOdometry"},
+            {},
+            {"CObservationRobotPose"}};
+}
+
+void GridSlamModule::start(const RunContext&) {
+    settings_.loops.cell_m = settings_.cell_m;
+    settings_.loops.refinement = settings_.forward.refinement;
+    settings_.links.refinement = settings_.forward.refinement;
+    settings_.links.refinement.iterations = 15;
+    settings_.links.refinement.give_up_fit = 0.3;
+    if (!loops_) settings_.loops.every_m = std::numeric_limits<double>::infinity();
+    slam_ = std::make_unique<GridSlam>(settings_);
+}
+
+bool GridSlamModule::is_wanted(const std::string& label) const {
+    return sensors_.empty() || std::find(sensors_.begin(), sensors_.end(), label) != sensors_.end();
+}
+
+void GridSlamModule::take_odometry(const StreamItem& item) {
+    const auto& odometry = static_cast<const mrpt::obs::CObservationOdometry&>(*item.observation);
+    if (odometry.sensorLabel != odometry_label) return;
+    for (Scan& scan : waiting_) {
+        // What a module publishes carries the sequence of its scan; what a log holds has its own.
+        const bool same = item.published ? scan.sequence == item.sequence : scan.stamp_ns == item.stamp_ns && !scan.T_odom_base;
+        if (!same) continue;
+        scan.T_odom_base = Pose2{odometry.odometry.x(), odometry.odometry.y(), wrap_to_pi(odometry.odometry.phi())};
+        return;
+    }
+}
+
+void GridSlamModule::process(const StreamItem& item, Publisher& publisher) {
+    if (auto scan = as<const mrpt::obs::CObservation2DRangeScan>(item.observation)) {
+        if (is_wanted(scan->sensorLabel)) waiting_.push_back({item.sequence, item.stamp_ns, std::move(scan), std::nullopt});
+    } else if (as<mrpt::obs::CObservationOdometry>(item.observation.get()) != nullptr) {
+        take_odometry(item);
+    }
+    while (!waiting_.empty() && waiting_.front().T_odom_base) {
+        estimate(waiting_.front(), publisher);
+        waiting_.pop_front();
+    }
+}
+
+void GridSlamModule::drain(Publisher& publisher) {
+    for (const Scan& scan : waiting_) estimate(scan, publisher);
+    waiting_.clear();
+}
+
+void GridSlamModule::estimate(const Scan& scan, Publisher& publisher) {
+    if (!to_planar_scan(*scan.observation, beams_)) {
+        ++unusable_;
+        return;
+    }
+    if (!scan.T_odom_base) ++without_odometry_;
+    Motion motion;
+    if (T_odom_base_) motion = wheel_motion(T_odom_base_->inverse() * scan.T_odom_base.value_or(*T_odom_base_), wheels_);
+    if (scan.T_odom_base) T_odom_base_ = scan.T_odom_base;
+    const ScanPose pose = slam_->add(beams_, motion);
+    online_.push_back({scan.sequence, scan.stamp_ns, pose.T_map_base});
+    const auto published = pose_observation(pose.T_map_base, pose.covariance);
+    published->timestamp = scan.observation->timestamp;
+    publisher.publish(published, scan.sequence);
+}
+
+void GridSlamModule::lay_out_trajectory() {
+    std::vector<Pose2> poses;
+    std::vector<Eigen::Matrix3d> covariances;
+    slam_->path(poses, covariances);
+    trajectory_.reserve(online_.size());
+    std::size_t k = 0;
+    for (const OnlinePose& online : online_)
+        trajectory_.append(online.sequence, online.stamp_ns, Pose3(online.T_map_base), PoseCovariance::planar(covariances[k++]));
+    for (k = 0; k < poses.size(); ++k) trajectory_.revise(k, Pose3(poses[k]), PoseCovariance::planar(covariances[k]));
+    trajectory_.finish_revision();
+}
+
+void GridSlamModule::report_loops(Results& results) const {
+    std::int64_t accepted = 0, refused = 0;
+    for (const LoopRecord& record : slam_->loops()) {
+        LoopDecision loop;
+        loop.stamp_ns = online_[slam_->map().scans[record.frame]].stamp_ns;
+        loop.old_stamp_ns = online_[slam_->map().scans[record.old_frame]].stamp_ns;
+        loop.way_m = record.way_m;
+        loop.score = record.likelihood;
+        loop.rival_score = record.rival;
+        loop.shift_m = record.shift.head<2>().norm();
+        loop.shift_rad = record.shift.z();
+        loop.sigma_m = record.sigma_m;
+        loop.sigma_rad = record.sigma_rad;
+        loop.accepted = record.decision == LoopRecord::Decision::accepted;
+        loop.reason = record.reason;
+        (loop.accepted ? accepted : refused) += record.decision == LoopRecord::Decision::waits ? 0 : 1;
+        results.loops.push_back(std::move(loop));
+    }
+    results.metrics["loops_found"] = accepted;
+    results.metrics["loops_refused"] = refused;
+    PoseGraph graph;
+    graph.poses = slam_->map().poses;
+    for (const Constraint& c : slam_->constraints()) graph.constraints.push_back({c.from, c.to, c.T_from_to, c.information});
+    results.pose_graph = std::move(graph);
+}
+
+void GridSlamModule::finish(Results& results) {
+    slam_->finish();
+    lay_out_trajectory();
+    report_loops(results);
+    auto& metrics = results.metrics;
+    metrics["corrections"] = static_cast<std::int64_t>(slam_->corrections());
+    metrics["map_frames"] = static_cast<std::int64_t>(slam_->map().size());
+    metrics["constraints"] = static_cast<std::int64_t>(slam_->constraints().size());
+    metrics["scans_unmatched"] = static_cast<std::int64_t>(slam_->unmatched());
+    metrics["scans_degenerate"] = static_cast<std::int64_t>(slam_->degenerate());
+    if (without_odometry_ > 0) metrics["scans_without_odometry"] = without_odometry_;
+    if (unusable_ > 0) metrics["scans_unusable"] = unusable_;
+}
+
+}  // namespace loopline

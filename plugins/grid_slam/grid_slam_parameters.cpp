@@ -1,0 +1,43 @@
+/// The .ini section of module "grid_slam".
+#include "grid_slam/grid_slam_module.h"
+
+namespace loopline {
+
+ParameterTable GridSlamModule::parameters() {
+    auto& s = settings_;
+    auto& refinement = s.forward.refinement;
+    ParameterTable table("grid_slam", info().sentence);
+    table.list("sensors", sensors_, "Labels of the lasers whose scans are used; empty for all.")
+        .real("cell_m", s.cell_m, {0.01, 1}, "Edge of a cell of the map that scans are matched with.")
+        .real("min_range_m", s.frame.min_range_m, {0, 100}, "Nearer returns are of the vehicle itself.")
+        .real("max_range_m", s.frame.max_range_m, {0.1, 1000}, "Farther returns are left out.")
+        .real("sigma_rest_m", wheels_.sigma_rest_m, {1e-4, 10}, "Standard deviation of the wheels' way from scan to scan, without any motion.")
+        .real("sigma_way_m", wheels_.sigma_way_m, {0, 10}, "What is added to it for each metre between two scans.")
+        .angle("sigma_rest_deg", wheels_.sigma_rest_rad, {1e-3, 90}, "Standard deviation of the wheels' turn from scan to scan, without any motion.")
+        .real("sigma_turn", wheels_.sigma_turn, {0, 10}, "What is added to it, as a part of the turn between two scans.")
+        .angle("sigma_way_deg", wheels_.sigma_way_rad, {0, 90}, "What is added to it for each metre between two scans.")
+        .real("sigma_return_m", refinement.sigma_m, {1e-3, 1}, "Standard deviation of a return about the surface that it is of.")
+        .real("correlation_m", refinement.correlation_m, {0, 10}, "Returns so close together along a wall err together: they count as one.")
+        .real("reach_m", refinement.reach_m, {0.01, 5}, "A return and a surface of the map farther apart have nothing to do with one another.")
+        .real("window_sigmas", s.forward.window_sigmas, {0.5, 10}, "Half of the window that a scan is searched for in, in standard deviations of the motion.")
+        .real("max_window_m", s.forward.max_window_m, {0.05, 20}, "But half of it is no more than this.")
+        .angle("heading_step_deg", s.forward.heading_step_rad, {0.05, 10}, "Step of the headings that are tried.")
+        .integer("search_points", s.forward.search_points, {10, 2000}, "Returns of a scan that are searched with.")
+        .real("frame_way_m", s.frame_way_m, {0.01, 10}, "A scan becomes part of the map if it is so far from all that are.")
+        .angle("frame_turn_deg", s.frame_turn_rad, {0.1, 90}, "Or so turned.")
+        .real("new_fit", s.new_fit, {0, 1}, "Or if less than this part of its returns fits the map.")
+        .real("active_sigma_m", s.active.sigma_m, {0.01, 10}, "Scans are matched with what is known to this standard deviation from where the vehicle is; what is older takes a loop.")
+        .integer("link_visits", s.links.visits, {0, 20}, "Earlier visits of a place that a scan of the map is tied to.")
+        .boolean("loops", loops_, "Look for loops of the path.")
+        .real("loop_every_m", s.loops.every_m, {0.05, 100}, "Way between two looks.")
+        .real("loop_reach_m", s.loops.reach_m, {0.1, 100}, "Distance of an old scan that the vehicle may see the same from.")
+        .real("loop_max_window_m", s.loops.max_window_m, {0.1, 100}, "A loop is searched for as far as is uncertain, but no farther than this.")
+        .angle("loop_max_window_deg", s.loops.max_window_rad, {1, 180}, "And no more turned than this.")
+        .real("loop_min_likelihood", s.loops.min_likelihood, {0, 1}, "How well the latest scans must fit the old map on its cells.")
+        .real("loop_min_fit", s.loops.min_fit, {0, 1}, "Part of the latest returns that must lie on surfaces of the old map.")
+        .real("loop_rival", s.loops.rival, {0, 1}, "A second place as likely as this part of the best one makes a loop ambiguous.")
+        .real("loop_max_sigma_m", s.loops.max_sigma_m, {1e-3, 10}, "How well the scans must hold the pose in each direction.");
+    return table;
+}
+
+}  // namespace loopline

@@ -1,0 +1,132 @@
+/// What of module "grid_slam" goes into a checkpoint, class by class.
+#include "api/state_archive.h"
+#include "grid_slam/grid_slam_module.h"
+
+namespace loopline {
+namespace {
+constexpr std::uint32_t form_version = 1;
+}
+
+namespace grid_map {
+
+template <class Archive>
+void fields(Archive& archive, SurfacePoint& p) {
+    archive(p.p_base_m, p.normal_base);
+}
+
+template <class Archive>
+void fields(Archive& archive, Frame& frame) {
+    archive(frame.p_base_sensor_m, frame.points);
+}
+
+}  // namespace grid_map
+
+namespace grid_slam {
+
+template <class Archive>
+void fields(Archive& archive, MapFrames& map) {
+    archive(map.frames, map.poses, map.path_m, map.scans);
+}
+
+template <class Archive>
+void fields(Archive& archive, Constraint& c) {
+    archive(c.from, c.to, c.T_from_to, c.information, c.kind);
+}
+
+template <class Archive>
+void fields(Archive& archive, Motion& motion) {
+    archive(motion.T_before_now, motion.covariance);
+}
+
+template <class Archive>
+void fields(Archive& archive, Linker& linker) {
+    archive(linker.known_, linker.tried_);
+}
+
+template <class Archive>
+void fields(Archive& archive, LoopRecord& r) {
+    archive(r.frame, r.old_frame, r.way_m, r.likelihood, r.fit, r.rival, r.shift, r.sigma_m, r.sigma_rad, r.decision, r.reason);
+}
+
+template <class Archive>
+void fields(Archive& archive, LoopSearch& search) {
+    archive(search.looked_at_m_, search.known_at_m_, search.largest_sigma_m_, search.pending_, search.records_);
+}
+
+/// The grid is drawn anew: it is made of whole numbers, so the order does not matter.
+template <class Archive>
+void fields(Archive& archive, ActiveMap& active, const MapFrames& map) {
+    archive(active.active_, active.T_grid_base_);
+    if constexpr (Archive::reading) {
+        active.in_grid_.assign(map.size(), false);
+        for (const std::uint32_t frame : active.active_) {
+            active.in_grid_[frame] = true;
+            active.grid_.insert(map.frames[frame], active.T_grid_base_[frame]);
+        }
+    }
+}
+
+/// A correction works on the first of the constraints.
+template <class Archive>
+void fields(Archive& archive, std::optional<GraphOptimiser>& correction, const std::vector<Constraint>& constraints,
+            const GraphSettings& settings) {
+    bool there = correction.has_value();
+    archive(there);
+    if (!there) return;
+    std::vector<Pose2> poses;
+    std::uint64_t used = 0;
+    int iterations = 0;
+    bool good = true;
+    if constexpr (!Archive::reading) {
+        poses = correction->poses();
+        used = correction->constraints();
+        iterations = correction->iterations();
+        good = correction->good();
+    }
+    archive(poses, used, iterations, good);
+    if constexpr (Archive::reading) {
+        correction.emplace(poses, std::vector<Constraint>(constraints.begin(), constraints.begin() + static_cast<std::ptrdiff_t>(used)), settings);
+        correction->go_on_from(iterations, good);
+    }
+}
+
+template <class Archive>
+void fields(Archive& archive, GridSlam& slam) {
+    archive(slam.map_);
+    fields(archive, slam.active_, slam.map_);
+    archive(slam.linker_, slam.loops_, slam.constraints_);
+    archive.each(slam.places_, [](auto& a, auto& place) { a(place.frame, place.T_frame_base, place.covariance); });
+    archive(slam.since_frame_, slam.way_m_, slam.chosen_at_m_);
+    fields(archive, slam.correction_, slam.constraints_, slam.settings_.online_graph);
+    std::uint64_t correction_frames = slam.correction_frames_;
+    archive(correction_frames, slam.relink_after_, slam.loop_frame_, slam.corrections_, slam.unmatched_, slam.degenerate_);
+    slam.correction_frames_ = correction_frames;
+    if constexpr (Archive::reading) slam.rebuild_neighbourhood();
+}
+
+}  // namespace grid_slam
+
+template <class Archive>
+void fields(Archive& archive, GridSlamModule& m) {
+    archive(*m.slam_);
+    archive.each(m.waiting_, [](auto& a, auto& scan) {
+        a(scan.sequence, scan.stamp_ns, scan.T_odom_base);
+        if constexpr (Archive::reading)
+            scan.observation = a.archive().template ReadObject<mrpt::obs::CObservation2DRangeScan>();
+        else
+            a.archive().WriteObject(*scan.observation);
+    });
+    archive(m.T_odom_base_);
+    archive.each(m.online_, [](auto& a, auto& pose) { a(pose.sequence, pose.stamp_ns, pose.T_map_base); });
+    archive(m.without_odometry_, m.unusable_);
+}
+
+void GridSlamModule::save_state(mrpt::serialization::CArchive& out) const {
+    write_state(out, info().name, form_version, *this);
+}
+
+void GridSlamModule::load_state(mrpt::serialization::CArchive& in) {
+    read_state(in, info().name, form_version, *this);
+}
+
+}  // namespace loopline

@@ -1,0 +1,48 @@
+/// What is known of the motion from one scan to the next without looking at the scans.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "api/pose2.h"
+
+namespace loopline::grid_slam {
+
+struct Motion {
+    Pose2 T_before_now;
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, phi), along the axes of `before`
+};
+
+/// T_a_c and its covariance from T_a_b and T_b_c.
+inline Motion operator*(const Motion& a_b, const Motion& b_c) {
+    const double c = std::cos(a_b.T_before_now.phi_rad), s = std::sin(a_b.T_before_now.phi_rad);
+    const Eigen::Vector2d way(c * b_c.T_before_now.x_m - s * b_c.T_before_now.y_m,
+                              s * b_c.T_before_now.x_m + c * b_c.T_before_now.y_m);
+    Eigen::Matrix3d carried = Eigen::Matrix3d::Identity(), turned = Eigen::Matrix3d::Identity();
+    carried(0, 2) = -way.y();
+    carried(1, 2) = way.x();
+    turned.topLeftCorner<2, 2>() << c, -s, s, c;
+    return {a_b.T_before_now * b_c.T_before_now,
+            carried * a_b.covariance * carried.transpose() + turned * b_c.covariance * turned.transpose()};
+}
+
+/// How far wheels can be trusted; standard deviations grow in proportion to the motion between two scans, since what
+/// wheels get wrong they get wrong all along.
+struct WheelNoise {
+    double sigma_rest_m = 0.02;                         ///< without any motion
+    double sigma_way_m = 0.1;                           ///< after 1 m
+    double sigma_rest_rad = 0.6 * M_PI / 180;           ///< without any motion
+    double sigma_turn = 0.1;                            ///< of a turn, as a part of it
+    double sigma_way_rad = 3 * M_PI / 180;              ///< after 1 m
+};
+
+inline Motion wheel_motion(const Pose2& T_before_now, const WheelNoise& noise) {
+    const double way_m = T_before_now.translation().norm();
+    const double sigma_m = noise.sigma_rest_m + noise.sigma_way_m * way_m,
+                 sigma_rad = noise.sigma_rest_rad + noise.sigma_turn * std::abs(T_before_now.phi_rad) + noise.sigma_way_rad * way_m;
+    Motion motion{T_before_now, Eigen::Matrix3d::Zero()};
+    motion.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
+    return motion;
+}
+
+}  // namespace loopline::grid_slam

@@ -1,0 +1,64 @@
+#include "grid_slam/relative_uncertainty.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+namespace loopline::grid_slam {
+namespace {
+
+double larger_variance(const Eigen::Matrix3d& c) {
+    const double mean = (c(0, 0) + c(1, 1)) / 2, spread = std::hypot((c(0, 0) - c(1, 1)) / 2, c(0, 1));
+    return mean + spread;
+}
+
+}  // namespace
+
+void Neighbourhood::add(const Constraint& constraint, const Pose2& T_map_from) {
+    // What is not known at all gets a large variance, not an infinite one.
+    const Eigen::Matrix3d information = constraint.information + Eigen::Vector3d(1e-2, 1e-2, 1e-1).asDiagonal().toDenseMatrix();
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    const double c = std::cos(T_map_from.phi_rad), s = std::sin(T_map_from.phi_rad);
+    turn.topLeftCorner<2, 2>() << c, -s, s, c;
+    const Eigen::Matrix3d covariance = turn * information.inverse() * turn.transpose();
+    edges_[constraint.from].push_back({constraint.to, covariance});
+    edges_[constraint.to].push_back({constraint.from, covariance});
+}
+
+void relative_uncertainty(const Neighbourhood& graph, const std::vector<Pose2>& poses, std::uint32_t origin, double limit_m2,
+                          RelativeUncertainty& result) {
+    const std::size_t n = graph.size();
+    result.variance_m2.assign(n, RelativeUncertainty::unknown);
+    result.covariance.resize(n);
+    result.reached.clear();
+    thread_local std::vector<bool> settled;
+    settled.assign(n, false);
+    using Entry = std::pair<double, std::uint32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    result.variance_m2[origin] = 0;
+    result.covariance[origin].setZero();
+    queue.emplace(0, origin);
+    while (!queue.empty()) {
+        const auto [variance, frame] = queue.top();
+        queue.pop();
+        if (settled[frame]) continue;
+        settled[frame] = true;
+        result.reached.push_back(frame);
+        for (const auto& edge : graph.of(frame)) {
+            if (settled[edge.other]) continue;
+            // The heading's error turns the way to the next frame.
+            Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
+            carried(0, 2) = -(poses[edge.other].y_m - poses[frame].y_m);
+            carried(1, 2) = poses[edge.other].x_m - poses[frame].x_m;
+            const Eigen::Matrix3d covariance = carried * result.covariance[frame] * carried.transpose() + edge.covariance;
+            const double next = larger_variance(covariance);
+            if (next >= limit_m2 || next >= result.variance_m2[edge.other]) continue;
+            result.variance_m2[edge.other] = next;
+            result.covariance[edge.other] = covariance;
+            queue.emplace(next, edge.other);
+        }
+    }
+}
+
+}  // namespace loopline::grid_slam

@@ -1,0 +1,86 @@
+#include "simulation/pushed_drive.h"
+
+#include <cmath>
+
+#include "simulation/random_waves.h"
+
+namespace loopline::simulation {
+namespace {
+
+/// Where hands let the cart stray to.
+class Hands {
+ public:
+    Hands(double sigma_side_m, RandomStream random) : side_m_(sigma_side_m, shortest_m, longest_m, random) {}
+
+    Pose2 T_world_base(const CartPath& path, double way_m) const {
+        const PathPoint point = path.at(way_m);
+        const double u = std::min(way_m / fade_in_m, 1.0);
+        // From 0 to 1 with three derivatives that vanish at both ends: the turn rate takes two of them.
+        const double fade = u * u * u * u * (35 + u * (u * (70 - 20 * u) - 84));
+        const double fade_slope = 140 * std::pow(u * (1 - u), 3) / fade_in_m;
+        const double aside_m = fade * side_m_.at(way_m);
+        const double slope = fade * side_m_.slope_at(way_m) + fade_slope * side_m_.at(way_m);
+        // The tangent of the path that is `aside_m` to the left of a curved one.
+        const double turned_rad = std::atan2(slope, 1 - point.curvature_per_m * aside_m);
+        return point.T_world_path * Pose2{0, aside_m, turned_rad};
+    }
+
+ private:
+    static constexpr double shortest_m = 3, longest_m = 12;
+    static constexpr double fade_in_m = 2;  ///< a drive begins on its path
+
+    RandomWaves side_m_;
+};
+
+/// Ways of the rims that belong to a motion over ground.
+class Wheels {
+ public:
+    Wheels(const VehicleSettings& vehicle, RandomStream random) : vehicle_(vehicle), random_(random) {}
+
+    WheelPair roll(const Twist2& motion) {
+        const double half_turn_m = motion.turn_rad * vehicle_.track_width_m / 2;
+        return {rim_m(motion.forward_m - half_turn_m), rim_m(motion.forward_m + half_turn_m)};
+    }
+
+ private:
+    double rim_m(double ground_m) {
+        return (ground_m + random_.normal(vehicle_.sigma_straight_m * std::sqrt(std::abs(ground_m)))) /
+               (1 - vehicle_.slip_straight);
+    }
+
+    VehicleSettings vehicle_;
+    RandomStream random_;
+};
+
+}  // namespace
+
+std::optional<Drive> push_along(const Waypoints& waypoints, const PushSettings& push,
+                                const DriveSettings& settings, const VehicleSettings& vehicle,
+                                std::uint64_t seed) {
+    const auto step_ns = static_cast<StampNs>(std::llround(settings.step_s * 1e9));
+    const CartPath path(waypoints, push.corner_radius_m);
+    const auto ways_m = pushed_ways_m(path, push, seconds_between(0, step_ns), RandomStream(seed, "speed"));
+    if (static_cast<double>(ways_m.size()) * settings.step_s > settings.longest_s) return std::nullopt;
+
+    const Hands hands(push.sigma_side_m, RandomStream(seed, "hands"));
+    Wheels wheels(vehicle, RandomStream(seed, "cart wheels"));
+    Drive drive;
+    double way_m = 0;
+    Pose2 T_world_base = hands.T_world_base(path, 0);
+    drive.motion = TrueMotion(T_world_base, step_ns);
+    WheelPair rim_m;
+    for (const double step_m : ways_m) {
+        way_m += step_m;
+        const Pose2 T_world_next = hands.T_world_base(path, way_m);
+        const Twist2 motion = log_se2(T_world_base.inverse() * T_world_next);
+        drive.motion.append(motion);
+        const WheelPair rolled_m = wheels.roll(motion);
+        rim_m.left += rolled_m.left;
+        rim_m.right += rolled_m.right;
+        drive.rim_m.push_back(rim_m);
+        T_world_base = T_world_next;
+    }
+    return drive;
+}
+
+}  // namespace loopline::simulation

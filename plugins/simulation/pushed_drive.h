@@ -1,0 +1,19 @@
+/// A cart that a person pushes along a path, by its true motion: for the inertial sensors' sake without any
+/// jump of acceleration.
+#pragma once
+
+#include <optional>
+
+#include "simulation/drive.h"
+#include "simulation/pushed_speed.h"
+
+namespace loopline::simulation {
+
+/// Pushes the cart through the waypoints. It rolls where it points, so hands that let it stray beside the
+/// path turn it, too. Its wheels lose `slip_straight` of their way and `sigma_straight_m` at random. None if
+/// it takes longer than the settings allow.
+std::optional<Drive> push_along(const Waypoints& waypoints, const PushSettings& push,
+                                const DriveSettings& settings, const VehicleSettings& vehicle,
+                                std::uint64_t seed);
+
+}  // namespace loopline::simulation

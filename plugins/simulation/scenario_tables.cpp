@@ -1,0 +1,143 @@
+#include "simulation/scenario.h"
+
+namespace loopline::simulation {
+namespace {
+
+ParameterTable world_table(FloorPlan& plan, Generator& generator, double& sigma_tilt_rad) {
+    return ParameterTable("world", "Walls, in metres: drawn row by row, or by a generator from the seed.")
+        .choice("generator", generator,
+                {{"none", Generator::none}, {"office", Generator::office}, {"campus", Generator::campus}},
+                "Draws walls, route and people by the section of its name; none: the rows here and in "
+                "[route] do.")
+        .real("height_m", plan.height_m, {0.1, 1000}, "Height of the walls, and of the ceiling.")
+        .real("door_height_m", plan.door_height_m, {0.1, 1000}, "Above it, a door's wall goes on.")
+        .boolean("ceiling", plan.ceiling, "Whether there is one.")
+        .angle(
+            "sigma_tilt_deg", sigma_tilt_rad, {0, 5},
+            "Standard deviation of the floor's slope in any direction; it tilts and lifts the vehicle, the "
+            "same wherever that comes back to.")
+        .rows("wall_m", plan.walls, {4, 2}, "x y x y ...", "A chain of walls from corner to corner.")
+        .rows("door_m", plan.doors, {5, 0}, "x1 y1 x2 y2 depth",
+              "A part of a wall that is set back to the left of the way from its first to its second point.")
+        .rows("pilaster_m", plan.pilasters, {5, 0}, "x1 y1 x2 y2 depth",
+              "A part of a wall that stands out to the left of the way from its first to its second point.")
+        .rows("partition_m", plan.partitions, {5, 0}, "x1 y1 x2 y2 thickness",
+              "A wall with two sides, about the line from its first to its second point.")
+        .rows("box_m", plan.boxes, {6, 0}, "x y length width turn height",
+              "A box on the ground: its middle, its size, and how far it is turned, in degrees.")
+        .rows("clutter_m", plan.clutter, {5, 0}, "x0 y0 x1 y1 pieces",
+              "Furniture that the seed draws: so many boxes, in the rectangle between two of its corners.")
+        .real("clutter_clear_m", plan.clutter_clear_m, {0.4, 100},
+              "No piece of it is nearer to the legs of the route.")
+        .rows("point_m", plan.points, {3, 0}, "number x y", "A corner that results are compared at.");
+}
+
+ParameterTable office_table(OfficeSettings& s) {
+    return ParameterTable("office", "Generator: offices around a ring of corridors.")
+        .integer("rooms", s.rooms, {1, 200}, "Rooms along a corridor, on each of its sides.")
+        .real("room_width_m", s.room_width_m, {3.5, 100}, "Along the corridor.")
+        .real("room_depth_m", s.room_depth_m, {3.5, 100}, "Away from it.")
+        .real("corridor_m", s.corridor_m, {1, 20}, "Width of the corridors.")
+        .real("wall_thickness_m", s.wall_m, {0.05, 1}, "Thickness of the walls.")
+        .real("door_width_m", s.door_m, {0.6, 1.2}, "Width of the doors.")
+        .real("open_doors", s.open_doors, {0, 1},
+              "Part of the doors that are open; those of visited rooms are.")
+        .integer("visits", s.visits, {0, 800}, "Rooms that the round leads through.")
+        .integer("clutter", s.clutter, {0, 100}, "Pieces of furniture in a room.")
+        .integer("people", s.people, {0, 1000}, "People who walk to and fro.");
+}
+
+ParameterTable campus_table(CampusSettings& s) {
+    return ParameterTable("campus", "Generator: streets between buildings with stepped fronts.")
+        .integer("walls", s.walls, {1, 1000000}, "Walls to draw, at least; no two on one line.")
+        .integer("columns", s.columns, {1, 1000}, "Buildings along a street.")
+        .real("street_m", s.street_m, {4, 100}, "Width of the streets.")
+        .real("gap_m", s.gap_m, {1, 100}, "From building to building along a street.")
+        .real("building_length_m", s.building_length_m, {2, 1000}, "Along the street.")
+        .real("building_depth_m", s.building_depth_m, {6, 1000}, "From street to street.")
+        .integer("sections", s.sections, {1, 100}, "Of a front, each set back by itself.")
+        .real("step_m", s.step_m, {0.1, 2.5}, "How far a section is set back at most.")
+        .angle("turned_deg", s.turned_rad, {0, 15}, "How far a building stands askew at most.")
+        .real("wall_height_m", s.height_m, {0.1, 1000}, "Height of the buildings.");
+}
+
+ParameterTable route_table(std::vector<Row>& waypoints, int& laps, Driving& driving, DriverSettings& s) {
+    return ParameterTable("route", "Where the vehicle drives, and how well it keeps to that.")
+        .choice("drive", driving, {{"steered", Driving::steered}, {"pushed", Driving::pushed}},
+                "steered: by the three ways to drive of [vehicle]; pushed: a cart, as [cart] says.")
+        .integer("laps", laps, {1, 1000},
+                 "How often the route is driven, one after the other; it has to end where it begins.")
+        .rows("waypoint_m", waypoints, {2, 0}, "x y",
+              "From the first, which is the origin of the map, heading for the second, to the last.")
+        .angle("deadband_deg", s.deadband_rad, {0.1, 90}, "Heading error that calls for a short turn.")
+        .angle("approach_deg", s.approach_rad_per_m, {0, 90},
+               "Heading back to the leg for each metre beside it.")
+        .angle("max_approach_deg", s.max_approach_rad, {0, 90}, "At most.");
+}
+
+ParameterTable cart_table(PushSettings& s) {
+    return ParameterTable(
+               "cart",
+               "A cart that a person pushes through the waypoints, if [route] drive = pushed. Speed, "
+               "acceleration and turn rate have no jumps.")
+        .real("corner_radius_m", s.corner_radius_m, {0.1, 100},
+              "Radius of a bend where it is tightest; less where legs are too short for that.")
+        .real("speed_mps", s.speed_mps, {0.05, 10}, "Speed where nothing slows it down.")
+        .real("sigma_speed", s.sigma_speed, {0, 0.3},
+              "Standard deviation of the speed along the way, as a part of it.")
+        .real("speed_up_s", s.speed_up_s, {0.2, 60}, "Time from standstill to full speed, and back.")
+        .angle("turn_dps", s.turn_radps, {5, 360}, "Bends are taken so slowly that it turns no faster.")
+        .real("standstill_s", s.standstill_s, {1, 3600}, "How long it stands at the start.")
+        .real("end_standstill_s", s.end_standstill_s, {1, 3600}, "How long it stands at the end.")
+        .real("stop_every_m", s.stop_every_m, {0, 1e6}, "Way from stop to stop, about; 0: no stops.")
+        .real("stop_s", s.stop_s, {1.5, 3600}, "How long a stop takes.")
+        .real("sigma_side_m", s.sigma_side_m, {0, 0.2},
+              "Standard deviation of how far it strays beside its path; it turns as it does.");
+}
+
+ParameterTable vehicle_table(VehicleSettings& v) {
+    return ParameterTable(
+               "vehicle",
+               "Two driven wheels that know three ways to drive: straight, left, right. Slip is what "
+               "wheels lose on the ground, and encoders do not see.")
+        .real("track_width_m", v.track_width_m, {0.05, 10}, "Distance of the wheels.")
+        .real("straight_mps", v.straight_mps, {0.001, 100}, "Speed of both wheels, driving straight.")
+        .real("turn_outer_mps", v.turn_outer_mps, {0.001, 100}, "Speed of the outer wheel in a turn.")
+        .real("turn_inner_mps", v.turn_inner_mps, {-100, 100}, "Speed of the inner wheel in a turn.")
+        .real("wheel_lag_s", v.wheel_lag_s, {0, 10}, "Time constant with which a wheel follows its command.")
+        .real("wander", v.wander, {0, 0.5},
+              "Standard deviation of wheel speeds about their command, as a part of it.")
+        .real("wander_s", v.wander_s, {0, 1000}, "Correlation time of that.")
+        .real("slip_straight", v.slip_straight, {-1, 1}, "Part of the way that is lost driving straight.")
+        .real("slip_turn_outer", v.slip_turn_outer, {-1, 1}, "Part that the outer wheel loses in a turn.")
+        .real("slip_turn_inner", v.slip_turn_inner, {-5, 5}, "Part that the inner wheel loses in a turn.")
+        .real("sigma_slip_turn", v.sigma_slip_turn, {0, 1},
+              "Standard deviation of the inner wheel's part, from one turn to the next.")
+        .real("sigma_straight_m", v.sigma_straight_m, {0, 1},
+              "Random way of a wheel after 1 m, driving straight.")
+        .real("sigma_turn_m", v.sigma_turn_m, {0, 1}, "Random way of a wheel after 1 m in turns.")
+        .real("sigma_side_m", v.sigma_side_m, {0, 1}, "Random way to the side after 1 m.")
+        .real("bumps_hz", v.bumps_hz, {0, 100}, "How often something on the ground turns the vehicle.")
+        .angle("sigma_bump_deg", v.sigma_bump_rad, {0, 90}, "By how much.");
+}
+
+}  // namespace
+
+ParameterTable Scenario::simulation_table() {
+    return ParameterTable("simulation", "Makes a log and its truth from a scenario.")
+        .seed("seed", seed, "For whatever is drawn at random: the same seed gives the same bytes.")
+        .list("sensors", sensors, "Sensors of the vehicle, each with the section of its name.")
+        .real("start_s", start_utc_s, {0, 4e9},
+              "Time of the first observations, in seconds since 1970 (UTC).")
+        .real("step_s", drive.step_s, {1e-4, 0.1}, "Step of the vehicle's motion.")
+        .real("control_s", drive.control_s, {1e-3, 10}, "Time from one command to the next.")
+        .real("longest_s", drive.longest_s, Range::positive(), "A drive that takes longer does not arrive.");
+}
+
+std::vector<ParameterTable> Scenario::tables() {
+    return {simulation_table(),    world_table(plan, generator, sigma_tilt_rad),  office_table(office),
+            campus_table(campus),  route_table(waypoints, laps, driving, driver), cart_table(push),
+            vehicle_table(vehicle)};
+}
+
+}  // namespace loopline::simulation

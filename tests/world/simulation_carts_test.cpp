@@ -1,0 +1,16 @@
+/// The worlds of carts over many seeds: clear of everything, and back at the start.
+#include <gtest/gtest.h>
+
+#include "support/simulated_scene.h"
+
+using namespace loopline;
+using namespace loopline::test;
+
+TEST(SimulatedCarts, keep_clear_of_everything_and_come_back) {
+    for (const char* name : {"cart_loops.ini", "cart_corridor.ini", "cart_twin_rooms.ini"})
+        for (int seed = 1; seed <= 20; ++seed) {
+            const auto scene = scene_of(dataset(name), {"simulation.seed=" + std::to_string(seed)});
+            EXPECT_GT(clearance_m(*scene), 0.3) << name << ", seed " << seed;
+            EXPECT_LT(scene->drive.motion.last().translation().norm(), 0.2) << name << ", seed " << seed;
+        }
+}
