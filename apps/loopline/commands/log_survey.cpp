@@ -24,6 +24,7 @@ void LogSurvey::add(const StreamItem& item) {
     earliest_ns_ = first_of_all ? item.stamp_ns : std::min(earliest_ns_, item.stamp_ns);
     latest_ns_ = first_of_all ? item.stamp_ns : std::max(latest_ns_, item.stamp_ns);
 
+    imus_.add(item);
     const auto& observation = *item.observation;
     auto& sensor =
         sensors_[{short_class_name(observation.GetRuntimeClass()->className), observation.sensorLabel}];
@@ -31,7 +32,7 @@ void LogSurvey::add(const StreamItem& item) {
         sensor.first_stamp_ns = item.stamp_ns;
     } else {
         const StampNs step_ns = item.stamp_ns - sensor.last_stamp_ns;
-        sensor.steps_ns.push_back(step_ns);
+        if (!imus_.looks_at(observation)) sensor.steps_ns.push_back(step_ns);
         sensor.repeated_stamps += step_ns == 0;
         if (step_ns > sensor.longest_gap_ns) {
             sensor.longest_gap_ns = step_ns;
@@ -49,6 +50,8 @@ std::vector<std::string> LogSurvey::complaints() const {
     constexpr StampNs gap_in_steps = 10, shortest_gap_ns = 1'000'000'000;
     std::vector<std::string> sentences;
     for (const auto& [key, sensor] : sensors_) {
+        if (key.first == "CObservationIMU" && imus_.looks_at(key.second))
+            continue;  // its own check says more
         const std::string name = sensor_name(key);
         const StampNs usual_ns = sensor.median_step_ns();
         if (sensor.longest_gap_ns > std::max(shortest_gap_ns, gap_in_steps * usual_ns))
@@ -62,6 +65,8 @@ std::vector<std::string> LogSurvey::complaints() const {
             sentences.push_back(name + " has " + std::to_string(sensor.empty_scans) +
                                 " scans without a usable return");
     }
+    const auto of_imus = imus_.complaints(earliest_ns_);
+    sentences.insert(sentences.end(), of_imus.begin(), of_imus.end());
     return sentences;
 }
 

@@ -1,5 +1,5 @@
 /// What a log holds, sensor by sensor, for a person who is about to run on it: counts, rates, gaps, empty
-/// scans.
+/// scans, IMUs that can't be right.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 
 #include "api/module.h"
 #include "api/planar_scan.h"
+#include "commands/imu_survey.h"
 
 namespace loopline {
 
@@ -17,7 +18,9 @@ namespace loopline {
 struct SensorSurvey {
     std::uint64_t count = 0;
     StampNs first_stamp_ns = 0, last_stamp_ns = 0;
-    std::vector<StampNs> steps_ns;  ///< from each observation to the next, in the log's order
+    /// From each observation to the next, in the log's order; not of IMUs, of which there are too many: their
+    /// own check counts them.
+    std::vector<StampNs> steps_ns;
     StampNs longest_gap_ns = 0;
     StampNs longest_gap_start_ns = 0;
     std::uint64_t repeated_stamps = 0;
@@ -42,6 +45,7 @@ class LogSurvey {
     std::map<std::pair<std::string, std::string>, SensorSurvey> sensors_;
     StampNs earliest_ns_ = 0, latest_ns_ = 0;
     PlanarScan scan_;
+    ImuSurvey imus_;
 };
 
 /// `CObservation2DRangeScan "FLASER"`

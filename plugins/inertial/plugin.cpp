@@ -1,0 +1,3 @@
+#include "api/module.h"
+
+LOOPLINE_PLUGIN();
