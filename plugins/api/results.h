@@ -68,12 +68,25 @@ struct PoseGraph {
     std::vector<Constraint> constraints;
 };
 
+/// What closing a loop did to the path. Poses are of the frames that make the map, T_map_base, in the order of the log.
+struct PathCorrection {
+    StampNs stamp_ns = 0;                 ///< of the scan at which it took effect
+    std::uint32_t loop_from = 0, loop_to = 0;  ///< frames that the loop joins: the old one and the late one
+    Pose2 T_before_after;                 ///< misclosure: pose of frame `loop_to` after, seen from the one before
+    std::vector<Pose2> before, after;     ///< of all frames up to then
+    std::uint32_t reverse_first = 0;      ///< frame of the first pose of `reverse`
+    std::vector<Pose2> reverse;           ///< the path found by going back from the loop's end; empty if none was
+};
+
 struct Results {
     std::map<std::string, MetricValue> metrics;  ///< sorted: the same run writes the same bytes
     std::optional<LineMap> line_map;
     std::vector<NamedMap> maps;
     std::vector<LoopDecision> loops;  ///< in the order of the log
     std::optional<PoseGraph> pose_graph;
+    std::vector<PathCorrection> corrections;  ///< in the order of the log
+    /// Of each frame that makes the map: its returns in the vehicle's frame, to draw the map by other poses.
+    std::vector<std::vector<Eigen::Vector2f>> frame_points_base_m;
     std::vector<Calibration> calibrations;  ///< by modules that can_calibrate(), where the run is for it
     /// Set, with one sentence, by a module whose estimate diverged or must be refused: exit code 4.
     std::optional<std::string> refused;
