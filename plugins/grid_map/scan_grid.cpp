@@ -140,9 +140,8 @@ void ScanGrid::settle_tile(int tile_x, int tile_y) {
 }
 
 std::size_t ScanGrid::bytes() const {
-    std::size_t total = surfaces_.tiles() * SparseArray<Surface>::bytes_of_tile() +
-                        passes_.tiles() * SparseArray<std::int32_t>::bytes_of_tile();
-    for (const auto& level : likelihood_) total += level.tiles() * SparseArray<std::uint8_t>::bytes_of_tile();
+    std::size_t total = surfaces_.bytes() + passes_.bytes();
+    for (const auto& level : likelihood_) total += level.bytes();
     return total;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <utility>
@@ -63,7 +64,8 @@ class SparseArray {
     }
 
     std::size_t tiles() const { return tiles_; }
-    static constexpr std::size_t bytes_of_tile() { return sizeof(Tile); }
+    /// Of tiles and blocks.
+    std::size_t bytes() const { return tiles_ * sizeof(Tile) + blocks_.size() * sizeof(Block); }
 
     /// visit(x, y, cell) for each cell of each tile, in an order that depends on nothing but which tiles there are.
     template <class Visit>
@@ -81,16 +83,20 @@ class SparseArray {
 
     /// Gives back the tiles that hold nothing but T{}.
     void drop_empty_tiles() {
-        for (auto& [key, block] : blocks_)
-            for (auto& tile : *block) {
+        latest_ = nullptr;
+        for (auto block = blocks_.begin(); block != blocks_.end();) {
+            bool any = false;
+            for (auto& tile : *block->second) {
                 if (tile == nullptr) continue;
-                bool empty = true;
-                for (const T& cell : *tile) empty = empty && cell == T{};
-                if (empty) {
+                if (std::all_of(tile->begin(), tile->end(), [](const T& cell) { return cell == T{}; })) {
                     tile.reset();
                     --tiles_;
+                } else {
+                    any = true;
                 }
             }
+            block = any ? std::next(block) : blocks_.erase(block);
+        }
     }
 
  private:
