@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "grid_map/search_area.h"
 
 namespace loopline::grid_map {
 namespace {
@@ -38,26 +42,20 @@ class PriorCost {
     std::vector<int> x_, y_, heading_;
 };
 
-struct TurnedPoints {
-    int heading = 0;
-    std::vector<CellIndex> cells;  ///< of the points, at the centre of the window
-};
-
-std::vector<TurnedPoints> turn(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
-                               const SearchWindow& window) {
-    std::vector<TurnedPoints> all;
+/// The cells of the points at the centre of the window, heading by heading.
+std::vector<std::vector<CellIndex>> turn(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
+                                         const SearchWindow& window) {
+    std::vector<std::vector<CellIndex>> all;
     all.reserve(static_cast<std::size_t>(2 * window.headings + 1));
     for (int k = -window.headings; k <= window.headings; ++k) {
         const double phi = window.T_map_center.phi_rad + k * window.heading_step_rad;
         const double c = std::cos(phi) / grid.cell_m(), s = std::sin(phi) / grid.cell_m(),
                      x = window.T_map_center.x_m / grid.cell_m(), y = window.T_map_center.y_m / grid.cell_m();
-        TurnedPoints turned;
-        turned.heading = k;
-        turned.cells.reserve(points_base_m.size());
+        std::vector<CellIndex> cells;
+        cells.reserve(points_base_m.size());
         for (const auto& p : points_base_m)
-            turned.cells.push_back({ScanGrid::floor_to_int(x + c * p.x() - s * p.y()),
-                                    ScanGrid::floor_to_int(y + s * p.x() + c * p.y())});
-        all.push_back(std::move(turned));
+            cells.push_back({ScanGrid::floor_to_int(x + c * p.x() - s * p.y()), ScanGrid::floor_to_int(y + s * p.x() + c * p.y())});
+        all.push_back(std::move(cells));
     }
     return all;
 }
@@ -75,82 +73,148 @@ SearchResult result_at(const ScanGrid& grid, const SearchWindow& window, int hea
     return result;
 }
 
-/// 2^level x 2^level places of one heading.
+constexpr int lanes = SearchArea::block;  ///< places beside each other
+using Bytes = std::uint8_t __attribute__((vector_size(lanes)));
+using Words = std::uint16_t __attribute__((vector_size(2 * lanes)));
+
+/// What some points in a layer of a SearchArea say about `lanes` places beside each other. False, and the sums are not
+/// whole, as soon as none of the places can come to `enough`.
+bool sum_lanes(const std::uint8_t* layer, const std::vector<std::int32_t>& points, std::int32_t place, int enough,
+               std::array<int, lanes>& sums) {
+    constexpr std::size_t step = 16;  // their sum fits in a word
+    sums.fill(0);
+    for (std::size_t done = 0; done < points.size();) {
+        const std::size_t until = std::min(points.size(), done + step);
+        Words part{};
+        for (; done < until; ++done) {
+            Bytes row;
+            std::memcpy(&row, layer + points[done] + place, sizeof row);
+            part += __builtin_convertvector(row, Words);
+        }
+        int best = 0;
+        for (int k = 0; k < lanes; ++k) best = std::max(best, sums[static_cast<std::size_t>(k)] += part[k]);
+        if (best + ScanGrid::full_likelihood * static_cast<int>(points.size() - done) < enough) return false;
+    }
+    return true;
+}
+
+/// The same number of points from all parts of the scan first, so that a few of them tell of all.
+std::vector<Eigen::Vector2f> spread(const std::vector<Eigen::Vector2f>& points) {
+    constexpr std::size_t stride = 13;
+    std::vector<Eigen::Vector2f> all;
+    all.reserve(points.size());
+    for (std::size_t first = 0; first < stride; ++first)
+        for (std::size_t i = first; i < points.size(); i += stride) all.push_back(points[i]);
+    return all;
+}
+
+/// Places of one heading, from (dx, dy) to the right and upward.
 struct Node {
-    int bound, level, heading, dx, dy;
+    int bound, heading, dx, dy;
 };
 
+/// Blocks of 16 x 16 places, of which the best is divided into 16 x 4, and these into single rows.
 class BranchAndBound {
  public:
-    BranchAndBound(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points, const SearchWindow& window)
-        : grid_(grid), window_(window), prior_(grid, window), turned_(turn(grid, points, window)), points_(points.size()) {}
+    BranchAndBound(const ScanGrid& grid, const SearchWindow& window, const std::vector<std::vector<CellIndex>>& turned,
+                   const SearchArea& area)
+        : grid_(grid), window_(window), prior_(grid, window), area_(area) {
+        for (const auto& cells : turned) {
+            auto& points = turned_.emplace_back();
+            points.reserve(cells.size());
+            for (const CellIndex& cell : cells) points.push_back(area.at(cell));
+        }
+    }
 
     std::optional<SearchResult> run() {
-        const int side = 2 * std::max(window_.cells_x, window_.cells_y) + 1;
-        int level = 0;
-        while (level + 1 < ScanGrid::levels && (2 << level) <= side) ++level;
-        std::vector<Node> coarse;
+        std::vector<Node> blocks;
         for (int heading = -window_.headings; heading <= window_.headings; ++heading)
-            for (int dy = -window_.cells_y; dy <= window_.cells_y; dy += 1 << level)
-                for (int dx = -window_.cells_x; dx <= window_.cells_x; dx += 1 << level)
-                    add_node(coarse, level, heading, dx, dy);
-        best_first(coarse);
-        for (const Node& node : coarse) explore(node);
+            for (int dy = -window_.cells_y; dy <= window_.cells_y; dy += SearchArea::block)
+                for (int dx = -window_.cells_x; dx <= window_.cells_x; dx += lanes) blocks.push_back(block(heading, dx, dy));
+        std::sort(blocks.begin(), blocks.end(),
+                  [](const Node& a, const Node& b) { return a.bound != b.bound ? a.bound > b.bound : before(a, b); });
+        for (const Node& node : blocks)
+            if (can_win(node) && !excluded(node, SearchArea::block)) explore_block(node);
         if (!found_) return std::nullopt;
         return result_at(grid_, window_, best_.heading, best_.dx, best_.dy, best_.bound,
-                         best_.bound + cost(best_.heading, best_.dx, best_.dy, 1), points_);
+                         best_.bound + prior_.heading(best_.heading) + prior_.x(best_.dx, 1) + prior_.y(best_.dy, 1),
+                         turned_.front().size());
     }
 
  private:
-    int cost(int heading, int dx, int dy, int size) const {
-        return prior_.heading(heading) + prior_.x(dx, size) + prior_.y(dy, size);
-    }
+    const std::vector<std::int32_t>& points(int heading) const { return turned_[static_cast<std::size_t>(heading + window_.headings)]; }
+    std::int32_t place(int dx, int dy) const { return dx + dy * area_.stride(); }
 
-    void add_node(std::vector<Node>& nodes, int level, int heading, int dx, int dy) const {
-        const auto& layer = grid_.likelihood_layer(level);
+    Node block(int heading, int dx, int dy) const {
+        const std::uint8_t* best = area_.best_of_block() + place(dx, dy);
         int sum = 0;
-        for (const CellIndex& cell : turned_[static_cast<std::size_t>(heading + window_.headings)].cells)
-            sum += layer.value((cell.x + dx) >> level, (cell.y + dy) >> level);
-        nodes.push_back({sum - cost(heading, dx, dy, 1 << level), level, heading, dx, dy});
+        for (const std::int32_t point : points(heading)) sum += best[point];
+        return {sum - prior_.heading(heading) - prior_.x(dx, lanes) - prior_.y(dy, SearchArea::block), heading, dx, dy};
     }
 
-    /// The order among places with equal scores.
+    void explore_block(const Node& node) {
+        std::array<Node, SearchArea::block / SearchArea::rows> parts;
+        std::size_t count = 0;
+        for (int dy = node.dy; dy <= std::min(node.dy + SearchArea::block - 1, window_.cells_y); dy += SearchArea::rows) {
+            Node part{0, node.heading, node.dx, dy};
+            if (!bound_rows(part) || !can_win(part) || excluded(part, SearchArea::rows)) continue;
+            std::size_t at = count++;
+            for (; at > 0 && parts[at - 1].bound < part.bound; --at) parts[at] = parts[at - 1];
+            parts[at] = part;
+        }
+        for (std::size_t k = 0; k < count; ++k)
+            for (int r = 0; r < SearchArea::rows && parts[k].dy + r <= window_.cells_y; ++r)
+                if (can_win(parts[k])) explore_row({parts[k].bound, node.heading, node.dx, parts[k].dy + r});
+    }
+
+    /// The bound of `rows` rows of places. False if none of them can win.
+    bool bound_rows(Node& part) const {
+        const int cost = prior_.heading(part.heading) + prior_.y(part.dy, SearchArea::rows);
+        std::array<int, lanes> sums;
+        if (!sum_lanes(area_.best_of_rows(), points(part.heading), place(part.dx, part.dy),
+                       enough() + cost + prior_.x(part.dx, lanes), sums))
+            return false;
+        part.bound = std::numeric_limits<int>::min();
+        for (int k = 0; k < lanes && part.dx + k <= window_.cells_x; ++k)
+            part.bound = std::max(part.bound, sums[static_cast<std::size_t>(k)] - cost - prior_.x(part.dx + k, 1));
+        return true;
+    }
+
+    void explore_row(const Node& row) {
+        const int cost = prior_.heading(row.heading) + prior_.y(row.dy, 1);
+        std::array<int, lanes> sums;
+        if (!sum_lanes(area_.likelihood(), points(row.heading), place(row.dx, row.dy), enough() + cost + prior_.x(row.dx, lanes), sums))
+            return;
+        for (int k = 0; k < lanes && row.dx + k <= window_.cells_x; ++k) {
+            const Node one{sums[static_cast<std::size_t>(k)] - cost - prior_.x(row.dx + k, 1), row.heading, row.dx + k, row.dy};
+            if (!can_win(one) || (window_.without && window_.without->holds(one.heading, one.dx, one.dy))) continue;
+            best_ = one;
+            found_ = true;
+        }
+    }
+
+    /// The order among places with equal scores; the first place of a node is that with the lowest dx and dy.
     static bool before(const Node& a, const Node& b) {
         if (a.heading != b.heading) return a.heading < b.heading;
         return a.dy != b.dy ? a.dy < b.dy : a.dx < b.dx;
-    }
-    static void best_first(std::vector<Node>& nodes) {
-        std::sort(nodes.begin(), nodes.end(),
-                  [](const Node& a, const Node& b) { return a.bound != b.bound ? a.bound > b.bound : before(a, b); });
     }
     bool can_win(const Node& node) const {
         if (node.bound < window_.min_score) return false;
         return !found_ || node.bound > best_.bound || (node.bound == best_.bound && before(node, best_));
     }
-
-    void explore(const Node& node) {
-        if (!can_win(node)) return;
-        if (node.level == 0) {
-            if (window_.without && window_.without->holds(node.heading, node.dx, node.dy)) return;
-            best_ = node;
-            found_ = true;
-            return;
-        }
-        std::vector<Node> parts;
-        const int half = 1 << (node.level - 1);
-        for (int k = 0; k < 4; ++k) {
-            const int dx = node.dx + (k & 1) * half, dy = node.dy + (k >> 1) * half;
-            if (dx <= window_.cells_x && dy <= window_.cells_y) add_node(parts, node.level - 1, node.heading, dx, dy);
-        }
-        best_first(parts);
-        for (const Node& part : parts) explore(part);
+    int enough() const { return found_ ? std::max(best_.bound, window_.min_score) : window_.min_score; }
+    /// Whether all places of a node are excluded.
+    bool excluded(const Node& node, int height) const {
+        return window_.without && window_.without->holds(node.heading, node.dx, node.dy) &&
+               window_.without->holds(node.heading, std::min(node.dx + lanes - 1, window_.cells_x),
+                                      std::min(node.dy + height - 1, window_.cells_y));
     }
 
     const ScanGrid& grid_;
     const SearchWindow& window_;
     PriorCost prior_;
-    std::vector<TurnedPoints> turned_;
-    std::size_t points_;
+    const SearchArea& area_;
+    std::vector<std::vector<std::int32_t>> turned_;
     Node best_{};
     bool found_ = false;
 };
@@ -177,23 +241,29 @@ std::vector<Eigen::Vector2f> search_points(const Frame& frame, std::size_t count
 
 std::optional<SearchResult> branch_and_bound(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
                                              const SearchWindow& window) {
-    return BranchAndBound(grid, points_base_m, window).run();
+    const auto turned = turn(grid, spread(points_base_m), window);
+    const SearchArea* area = SearchArea::around(grid, turned, window.cells_x, window.cells_y);
+    if (area == nullptr) return exhaustive_search(grid, points_base_m, window);
+    return BranchAndBound(grid, window, turned, *area).run();
 }
 
 std::optional<SearchResult> exhaustive_search(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
                                               const SearchWindow& window) {
     const PriorCost prior(grid, window);
     std::optional<SearchResult> best;
-    for (const TurnedPoints& turned : turn(grid, points_base_m, window))
+    int heading = -window.headings - 1;
+    for (const auto& cells : turn(grid, points_base_m, window)) {
+        ++heading;
         for (int dy = -window.cells_y; dy <= window.cells_y; ++dy)
             for (int dx = -window.cells_x; dx <= window.cells_x; ++dx) {
-                if (window.without && window.without->holds(turned.heading, dx, dy)) continue;
+                if (window.without && window.without->holds(heading, dx, dy)) continue;
                 int sum = 0;
-                for (const CellIndex& cell : turned.cells) sum += grid.likelihood(0, cell.x + dx, cell.y + dy);
-                const int score = sum - prior.heading(turned.heading) - prior.x(dx, 1) - prior.y(dy, 1);
+                for (const CellIndex& cell : cells) sum += grid.likelihood(0, cell.x + dx, cell.y + dy);
+                const int score = sum - prior.heading(heading) - prior.x(dx, 1) - prior.y(dy, 1);
                 if (score < window.min_score || (best && score <= best->score)) continue;
-                best = result_at(grid, window, turned.heading, dx, dy, score, sum, points_base_m.size());
+                best = result_at(grid, window, heading, dx, dy, score, sum, points_base_m.size());
             }
+    }
     return best;
 }
 

@@ -1,0 +1,138 @@
+#include "grid_map/search_area.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+namespace loopline::grid_map {
+namespace {
+
+constexpr int bits = SparseArray<std::uint8_t>::tile_bits, side = SparseArray<std::uint8_t>::tile_side;
+/// What the bounds of a tile look at: as far as a block reaches beyond it.
+constexpr int wide = side + SearchArea::block;
+
+std::size_t index(int y, int stride, int x) { return static_cast<std::size_t>(y) * static_cast<std::size_t>(stride) + static_cast<std::size_t>(x); }
+
+constexpr int lanes = 16;
+using Bytes = std::uint8_t __attribute__((vector_size(lanes)));
+
+/// to[k] = max(a[k], b[k]).
+template <int count>
+void larger(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* to) {
+    static_assert(count % lanes == 0);
+    for (int k = 0; k < count; k += lanes) {
+        Bytes from_a, from_b;
+        std::memcpy(&from_a, a + k, lanes);
+        std::memcpy(&from_b, b + k, lanes);
+        from_a = from_a > from_b ? from_a : from_b;
+        std::memcpy(to + k, &from_a, lanes);
+    }
+}
+
+}  // namespace
+
+SearchArea* SearchArea::around(const ScanGrid& grid, const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y) {
+    thread_local SearchArea area;
+    area.size(cells, cells_x, cells_y);
+    if (!area.is_small()) return nullptr;
+    area.stride_ = area.tiles_x_ * side;
+    const std::size_t tiles = static_cast<std::size_t>(area.tiles_x_) * static_cast<std::size_t>(area.tiles_y_);
+    area.state_.assign(tiles, 0);
+    // What is not needed is not written, and whatever is in it is not read.
+    if (area.likelihood_.size() < tiles * side * side)
+        for (auto* layer : {&area.likelihood_, &area.best_of_rows_, &area.best_of_block_}) layer->resize(tiles * side * side);
+    for (const auto& turned : cells)
+        for (const CellIndex& cell : turned) area.mark(cell, cells_x, cells_y);
+    const auto is_needed = [&](int tx, int ty) {
+        return tx >= 0 && ty >= 0 && (area.state_[index(ty, area.tiles_x_, tx)] & SearchArea::needed) != 0;
+    };
+    for (int ty = 0; ty < area.tiles_y_; ++ty)
+        for (int tx = 0; tx < area.tiles_x_; ++tx)
+            if (is_needed(tx, ty) || is_needed(tx - 1, ty) || is_needed(tx, ty - 1) || is_needed(tx - 1, ty - 1)) area.fill(grid, tx, ty);
+    for (int ty = 0; ty < area.tiles_y_; ++ty)
+        for (int tx = 0; tx < area.tiles_x_; ++tx)
+            if (is_needed(tx, ty)) area.bound(tx, ty);
+    return &area;
+}
+
+void SearchArea::size(const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y) {
+    int left = std::numeric_limits<int>::max(), bottom = left, right = std::numeric_limits<int>::min(), top = right;
+    for (const auto& turned : cells)
+        for (const CellIndex& cell : turned) {
+            left = std::min(left, cell.x);
+            right = std::max(right, cell.x);
+            bottom = std::min(bottom, cell.y);
+            top = std::max(top, cell.y);
+        }
+    if (left > right) left = right = bottom = top = 0;
+    const int first_tx = (left - cells_x) >> bits, first_ty = (bottom - cells_y) >> bits;
+    x0_ = first_tx * side;
+    y0_ = first_ty * side;
+    tiles_x_ = ((right + cells_x + block) >> bits) - first_tx + 2;
+    tiles_y_ = ((top + cells_y + block) >> bits) - first_ty + 2;
+}
+
+bool SearchArea::is_small() const {
+    constexpr std::int64_t most_tiles = 1 << 16;  // 64 MB
+    return static_cast<std::int64_t>(tiles_x_) * tiles_y_ <= most_tiles;
+}
+
+void SearchArea::mark(CellIndex cell, int cells_x, int cells_y) {
+    const int x = cell.x - x0_, y = cell.y - y0_;
+    for (int ty = (y - cells_y) >> bits; ty <= (y + cells_y + block - 1) >> bits; ++ty)
+        for (int tx = (x - cells_x) >> bits; tx <= (x + cells_x + block - 1) >> bits; ++tx) state_[index(ty, tiles_x_, tx)] |= needed;
+}
+
+bool SearchArea::is_empty(int tile_x, int tile_y) const {
+    const std::size_t stride = static_cast<std::size_t>(tiles_x_), at = index(tile_y, tiles_x_, tile_x);
+    return ((state_[at] | state_[at + 1] | state_[at + stride] | state_[at + stride + 1]) & known) == 0;
+}
+
+void SearchArea::fill(const ScanGrid& grid, int tile_x, int tile_y) {
+    const int x0 = x0_ + tile_x * side, y0 = y0_ + tile_y * side;
+    // A tile's rows lie one after another.
+    const std::uint8_t* tile = grid.likelihood_layer(0).find(x0, y0);
+    if (tile != nullptr) state_[index(tile_y, tiles_x_, tile_x)] |= known;
+    for (int y = 0; y < side; ++y) {
+        std::uint8_t* row = &likelihood_[index(tile_y * side + y, stride_, tile_x * side)];
+        if (tile != nullptr)
+            std::memcpy(row, tile + y * side, side);
+        else
+            std::memset(row, 0, side);
+    }
+}
+
+void SearchArea::bound(int tile_x, int tile_y) {
+    static_assert(rows == 4 && block == 16 && wide == 48);
+    if (is_empty(tile_x, tile_y)) {
+        for (int y = 0; y < side; ++y)
+            for (auto* layer : {&best_of_rows_, &best_of_block_})
+                std::memset(&(*layer)[index(tile_y * side + y, stride_, tile_x * side)], 0, side);
+        return;
+    }
+    const std::uint8_t* from = &likelihood_[index(tile_y * side, stride_, tile_x * side)];
+    // Best of 4 rows, and of 16 by four of these.
+    std::uint8_t best_4[(wide - 4) * wide], best_16[wide + lanes] = {};
+    for (int y = 0; y < wide - 4; ++y) {
+        const std::uint8_t* row = from + index(y, stride_, 0);
+        std::uint8_t* to = best_4 + y * wide;
+        larger<wide>(row, row + stride_, to);
+        larger<wide>(to, row + 2 * stride_, to);
+        larger<wide>(to, row + 3 * stride_, to);
+    }
+    for (int y = 0; y < side; ++y) {
+        const std::size_t to = index(tile_y * side + y, stride_, tile_x * side);
+        const std::uint8_t* row = best_4 + y * wide;
+        std::memcpy(&best_of_rows_[to], row, side);
+        larger<wide>(row, row + 4 * wide, best_16);
+        larger<wide>(best_16, row + 8 * wide, best_16);
+        larger<wide>(best_16, row + 12 * wide, best_16);
+        // Then of 2, 4, 8 and 16 of them side by side; from left to right, since each looks to its right only.
+        larger<wide>(best_16, best_16 + 1, best_16);
+        larger<wide>(best_16, best_16 + 2, best_16);
+        larger<wide>(best_16, best_16 + 4, best_16);
+        larger<side>(best_16, best_16 + 8, &best_of_block_[to]);
+    }
+}
+
+}  // namespace loopline::grid_map
