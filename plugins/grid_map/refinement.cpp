@@ -124,6 +124,9 @@ class IndexedSurfaces {
 
 struct NormalEquations {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    /// The same by the map's normals on one side and the scan's own on the other. What noise turns the normals of a wall by
+    /// looks like information along it; both have such errors, but not the same ones, so that here they cancel.
+    Eigen::Matrix3d by_both_normals = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     double squares = 0;
     int used = 0, of = 0;
@@ -149,7 +152,9 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
         const double w = static_cast<double>(worth[i]) * per_sigma2 / (1 + e * e * per_sigma2);
         const Eigen::Vector3d j(surface.normal_map.x(), surface.normal_map.y(),
                                 -surface.normal_map.x() * turned.y() + surface.normal_map.y() * turned.x());
+        const Eigen::Vector3d of_scan(normal.x(), normal.y(), -normal.x() * turned.y() + normal.y() * turned.x());
         sums.information += w * j * j.transpose();
+        sums.by_both_normals += w * j * of_scan.transpose();
         sums.gradient -= w * e * j;
         sums.squares += e * e;
         ++sums.used;
@@ -178,6 +183,13 @@ void worth_of_returns(const Frame& frame, const RefinementSettings& settings, st
     }
 }
 
+/// The information that is left: nothing in directions where chance made it negative.
+Eigen::Matrix3d without_noise_of_normals(const Eigen::Matrix3d& by_both_normals) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+    eigen.computeDirect(0.5 * (by_both_normals + by_both_normals.transpose()));
+    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
 template <class Surfaces>
 ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map_start, const Pose2& T_map_prior,
                 const Eigen::Matrix3d& prior_information, const RefinementSettings& settings) {
@@ -201,7 +213,7 @@ ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map
             break;
         }
     }
-    result.information = sums.information;
+    result.information = without_noise_of_normals(sums.by_both_normals);
     result.gradient = sums.gradient;
     result.used = sums.used;
     result.fit = sums.of > 0 ? static_cast<double>(sums.used) / sums.of : 0;
