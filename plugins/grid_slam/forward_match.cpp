@@ -48,6 +48,8 @@ ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame
     if (fit.fit < settings.min_fit) return match;
     match.matched = true;
     match.T_map_base = fit.T_map_base;
+    match.information = fit.information;
+    match.gradient = fit.gradient;
     match.covariance = (prior_information + fit.information).inverse();
     return match;
 }

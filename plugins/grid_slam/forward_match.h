@@ -23,6 +23,9 @@ struct ForwardMatch {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, phi) about the map around it, map axes
     double fit = 0;
     bool matched = false;  ///< else the motion alone counts
+    /// Of the scan alone, around T_map_base: log-likelihood = gradient' d - d' information d / 2.
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     grid_map::Degeneracy degeneracy;
 };
 

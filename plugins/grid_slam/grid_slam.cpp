@@ -3,6 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "grid_slam/wheel_navigation.h"
 
 namespace loopline::grid_slam {
 namespace {
@@ -14,49 +17,34 @@ grid_map::ScanGridSettings active_grid(const GridSlamSettings& settings) {
     return grid;
 }
 
-/// A covariance of (x, y, phi) along other axes.
-Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double phi_rad) {
-    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-    const double c = std::cos(phi_rad), s = std::sin(phi_rad);
-    turn.topLeftCorner<2, 2>() << c, -s, s, c;
-    return turn * covariance * turn.transpose();
-}
-
 }  // namespace
 
 GridSlam::GridSlam(const GridSlamSettings& settings)
     : settings_(settings), active_(active_grid(settings), settings.active), linker_(settings.links), loops_(settings.loops) {}
 
-ScanPose GridSlam::add(const PlanarScan& scan, const Motion& motion, const grid_map::SweepMotion& sweep) {
+ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction, const grid_map::SweepMotion& sweep) {
     grid_map::make_frame(scan, sweep, settings_.frame, frame_);
+    stamp_ns_ = prediction.stamp_ns;
+    T_new_old_.reset();
     ScanPose result;
     if (places_.empty()) {
-        ForwardMatch first;
-        first.matched = true;
-        add_frame(first);
+        result.match.matched = true;
+        result.match.fit = 1;
+        add_frame(result.match);
         places_.push_back({0, Pose2{}, Eigen::Matrix3d::Zero()});
-        result.matched = true;
-        result.fit = 1;
         return result;
     }
-    result.corrected = advance_correction();
-    const Place& before = places_.back();
-    const Pose2 T_map_before = map_.poses[before.frame] * before.T_frame_base;
-    way_m_ += motion.T_before_now.translation().norm();
-    since_frame_ = since_frame_ * motion;
+    way_m_ += prediction.motion.T_before_now.translation().norm();
+    since_frame_ = since_frame_ * prediction.motion;
+    since_last_frame_ = since_last_frame_ * prediction.motion;
 
     // S2: forward matching, from where the motion leads.
-    const ForwardMatch match = match_forward(active_.grid(), frame_, T_map_before * motion.T_before_now,
-                                             turned(motion.covariance, T_map_before.phi_rad), settings_.forward);
-    unmatched_ += match.matched ? 0 : 1;
-    degenerate_ += match.degeneracy.free_directions > 0 ? 1 : 0;
-    settle_on_frame(match);
-
-    const Place& now = places_.back();
-    result.T_map_base = map_.poses[now.frame] * now.T_frame_base;
-    result.covariance = match.covariance;
-    result.fit = match.fit;
-    result.matched = match.matched;
+    result.match = match_forward(active_.grid(), frame_, prediction.T_map_base, prediction.covariance, settings_.forward);
+    unmatched_ += result.match.matched ? 0 : 1;
+    degenerate_ += result.match.degeneracy.free_directions > 0 ? 1 : 0;
+    settle_on_frame(result.match);
+    result.T_map_base = map_.poses[places_.back().frame] * places_.back().T_frame_base;
+    result.T_new_old = T_new_old_;
     return result;
 }
 
@@ -79,7 +67,8 @@ void GridSlam::settle_on_frame(const ForwardMatch& match) {
             return;
         }
     add_frame(match);
-    ride_on(map_.last());
+    // Where the match put it, or where a correction did meanwhile.
+    places_.push_back({map_.last(), Pose2{}, turned(match.covariance, -map_.poses[map_.last()].phi_rad)});
 }
 
 std::optional<std::uint32_t> GridSlam::near_frame(const Pose2& T_map_base) const {
@@ -99,7 +88,8 @@ std::optional<std::uint32_t> GridSlam::near_frame(const Pose2& T_map_base) const
 void GridSlam::add_frame(const ForwardMatch& match) {
     const bool first = map_.size() == 0;
     const std::uint32_t rode_on = first ? 0 : places_.back().frame;
-    const std::uint32_t frame = map_.add(frame_, match.T_map_base, way_m_, places_.size());
+    const std::uint32_t frame = map_.add(frame_, match.T_map_base, way_m_, places_.size(), stamp_ns_, since_last_frame_);
+    since_last_frame_ = {};
     neighbourhood_.resize(map_.size());
     active_.add(map_, frame);
     if (first) return;
@@ -120,16 +110,80 @@ void GridSlam::add_frame(const ForwardMatch& match) {
     if (correction_) return;
     // S3 and S4: is this an old place?
     const auto loop = loops_.look(map_, active_, neighbourhood_);
-    if (loop.empty()) return;
+    if (!loop.empty()) close(loop);
+}
+
+void GridSlam::close(const std::vector<Constraint>& loop) {
+    loop_ = loop.back();
+    if (settings_.weights != Weights::joint) {
+        T_new_old_ = correct_by_going_back(loop_);
+        for (const Constraint& constraint : loop) add_constraint(constraint);
+        active_.choose(map_, neighbourhood_, map_.last());
+        return;
+    }
     for (const Constraint& constraint : loop) add_constraint(constraint);
-    loop_frame_ = frame;
-    if (is_worth_correcting(loop.back())) {
+    if (is_worth_correcting(loop_)) {
         relink_after_ = true;
         begin_correction();
     } else {
-        active_.choose(map_, neighbourhood_, frame);
-        relink(frame);
+        active_.choose(map_, neighbourhood_, loop_.to);
+        relink(loop_.to);
     }
+}
+
+/// S4 to S7: from the end of the loop back to its beginning, and what both ways say together.
+Pose2 GridSlam::correct_by_going_back(const Constraint& closing) {
+    Loop loop;
+    loop.first = closing.from;
+    loop.last = closing.to;
+    loop.T_map_last = map_.poses[loop.first] * closing.T_from_to;
+    loop.covariance = turned((closing.information + 1e-6 * Eigen::Matrix3d::Identity()).inverse(), map_.poses[loop.first].phi_rad);
+
+    std::vector<std::uint32_t> old_map;
+    for (std::uint32_t frame = 0; frame < loop.first; ++frame) old_map.push_back(frame);
+    WheelReverse by_wheels(map_);
+    ReverseNavigation& navigation = reverse_navigation_ != nullptr ? *reverse_navigation_ : by_wheels;
+    PassResult reverse = reverse_pass(map_, old_map, loop, navigation, settings_.forward, settings_.cell_m);
+
+    // How far each way can be trusted: by the constraints along it, from where it began.
+    PassResult forward;
+    RelativeUncertainty from_first, from_last;
+    relative_uncertainty(neighbourhood_, map_.poses, loop.first, RelativeUncertainty::unknown, from_first);
+    relative_uncertainty(neighbourhood_, map_.poses, loop.last, RelativeUncertainty::unknown, from_last);
+    for (std::uint32_t frame = loop.first; frame <= loop.last; ++frame) {
+        forward.poses.push_back(map_.poses[frame]);
+        forward.covariances.push_back(from_first.covariance[frame]);
+        reverse.covariances[frame - loop.first] = from_last.covariance[frame] + loop.covariance;
+    }
+    const PassResult fused = fuse(forward, reverse, settings_.weights);
+
+    std::vector<Pose2> before = map_.poses, after = map_.poses;
+    std::copy(fused.poses.begin(), fused.poses.end(), after.begin() + loop.first);
+    const Pose2 T_new_old = take_poses(std::move(after));
+    record_correction(std::move(before), closing);
+    corrections_.back().reverse_first = loop.first;
+    corrections_.back().reverse = std::move(reverse.poses);
+    return T_new_old;
+}
+
+/// Poses are kept of the corrections that moved the vehicle most: those are looked at.
+void GridSlam::record_correction(std::vector<Pose2> before, const Constraint& loop) {
+    constexpr std::size_t most = 12;
+    Correction correction;
+    correction.stamp_ns = stamp_ns_;
+    correction.old_frame = loop.from;
+    correction.frame = loop.to;
+    correction.T_before_after = before[loop.to].inverse() * map_.poses[loop.to];
+    correction.before = std::move(before);
+    correction.after.assign(map_.poses.begin(), map_.poses.begin() + static_cast<std::ptrdiff_t>(correction.before.size()));
+    corrections_.push_back(std::move(correction));
+    const auto kept = std::count_if(corrections_.begin(), corrections_.end(), [](const Correction& c) { return !c.before.empty(); });
+    if (static_cast<std::size_t>(kept) <= most) return;
+    auto least = corrections_.end();
+    for (auto c = corrections_.begin(); c != corrections_.end(); ++c)
+        if (!c->before.empty() && (least == corrections_.end() || c->T_before_after.translation().norm() < least->T_before_after.translation().norm()))
+            least = c;
+    least->before = least->after = least->reverse = {};
 }
 
 bool GridSlam::is_worth_correcting(const Constraint& constraint) const {
@@ -148,33 +202,43 @@ void GridSlam::begin_correction() {
 }
 
 /// A part of the work of each correction goes with each scan, so that none has to wait for all of it.
-bool GridSlam::advance_correction() {
-    if (!correction_ || correction_->iterate()) return false;
-    apply_correction();
-    return true;
+std::optional<Pose2> GridSlam::advance() {
+    if (!correction_ || correction_->iterate()) return std::nullopt;
+    return apply_correction();
 }
 
-/// S7: all frames at their corrected poses; those taken since move with the last one.
-void GridSlam::apply_correction() {
+Pose2 GridSlam::apply_correction() {
+    Pose2 T_new_old;
     if (correction_->good()) {
-        const auto& corrected = correction_->poses();
-        const std::size_t last = correction_frames_ - 1;
-        const Pose2 T_new_old = corrected[last] * map_.poses[last].inverse();
-        for (std::size_t k = correction_frames_; k < map_.size(); ++k) map_.poses[k] = T_new_old * map_.poses[k];
-        std::copy(corrected.begin(), corrected.end(), map_.poses.begin());
-        rebuild_neighbourhood();
-        active_.choose(map_, neighbourhood_, map_.last());
-        loops_.forget_pending();
-        ++corrections_;
+        std::vector<Pose2> before = map_.poses;
+        T_new_old = take_poses(correction_->poses());
+        record_correction(std::move(before), loop_);
     }
     correction_.reset();
-    if (!relink_after_) return;
+    if (!relink_after_) return T_new_old;
     relink_after_ = false;
     const std::size_t before = constraints_.size();
-    relink(loop_frame_);
+    relink(loop_.to);
     const bool again = std::any_of(constraints_.begin() + static_cast<std::ptrdiff_t>(before), constraints_.end(),
                                    [this](const Constraint& c) { return is_worth_correcting(c); });
     if (again) begin_correction();
+    return T_new_old;
+}
+
+/// S7: all frames at their corrected poses; those taken since move with the last one, and so does the vehicle.
+Pose2 GridSlam::take_poses(std::vector<Pose2> corrected) {
+    const std::uint32_t rides_on = places_.back().frame;
+    const Pose2 T_map_last_before = map_.poses[map_.last()], T_map_frame_before = map_.poses[rides_on];
+    const std::size_t last = corrected.size() - 1;
+    const Pose2 T_new_old = corrected[last] * map_.poses[last].inverse();
+    for (std::size_t k = corrected.size(); k < map_.size(); ++k) map_.poses[k] = T_new_old * map_.poses[k];
+    std::copy(corrected.begin(), corrected.end(), map_.poses.begin());
+    rebuild_neighbourhood();
+    active_.choose(map_, neighbourhood_, map_.last());
+    loops_.forget_pending();
+    // At once: the scan at hand is the latest frame; else the vehicle rides on some frame.
+    if (settings_.weights != Weights::joint) return map_.poses[map_.last()] * T_map_last_before.inverse();
+    return map_.poses[rides_on] * T_map_frame_before.inverse();
 }
 
 void GridSlam::relink(std::uint32_t from_frame) {
@@ -189,9 +253,16 @@ void GridSlam::rebuild_neighbourhood() {
 }
 
 void GridSlam::finish() {
-    while (correction_) advance_correction();
+    while (correction_) advance();
     if (map_.size() < 2) {
         frame_covariances_.assign(map_.size(), Eigen::Matrix3d::Zero());
+        return;
+    }
+    if (settings_.weights != Weights::joint) {
+        // What the passes gave stays; what is known of each frame is so from the first one, by the constraints.
+        RelativeUncertainty known;
+        relative_uncertainty(neighbourhood_, map_.poses, 0, RelativeUncertainty::unknown, known);
+        frame_covariances_ = known.covariance;
         return;
     }
     GraphOptimiser final_fit(map_.poses, constraints_, settings_.graph);

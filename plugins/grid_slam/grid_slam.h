@@ -8,9 +8,11 @@
 #include "api/planar_scan.h"
 #include "grid_slam/active_map.h"
 #include "grid_slam/forward_match.h"
+#include "grid_slam/fusion_of_passes.h"
 #include "grid_slam/links.h"
 #include "grid_slam/loop_search.h"
 #include "grid_slam/map_frames.h"
+#include "grid_slam/navigation.h"
 #include "grid_slam/pose_graph.h"
 
 namespace loopline::grid_slam {
@@ -31,24 +33,34 @@ struct GridSlamSettings {
     double worth_m = 0.03;                     ///< constraints that disagree with the poses by less wait for the next correction
     double worth_rad = 0.5 * M_PI / 180;
     GraphSettings online_graph{4, 2e-3, 3};    ///< of corrections on the way
+    Weights weights = Weights::joint;          ///< how a loop is corrected
 };
 
 /// What one scan gave.
 struct ScanPose {
-    Pose2 T_map_base;              ///< as known now
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, phi) given the first pose, map axes
-    double fit = 0;
-    bool matched = false;
-    bool corrected = false;        ///< a correction of the path took effect with this scan
+    ForwardMatch match;              ///< as the scan was matched
+    Pose2 T_map_base;                ///< as known after it
+    std::optional<Pose2> T_new_old;  ///< how a correction that took effect with this scan moved the vehicle
+};
+
+/// What a correction did, to show it.
+struct Correction {
+    StampNs stamp_ns = 0;                    ///< of the scan at which it took effect
+    std::uint32_t old_frame = 0, frame = 0;  ///< that the loop joins
+    std::vector<Pose2> before, after;        ///< poses of all frames; empty where others moved the vehicle more
+    std::uint32_t reverse_first = 0;
+    std::vector<Pose2> reverse;              ///< of the frames from reverse_first on; none where no reverse pass was made
+    Pose2 T_before_after;                    ///< of the later frame
 };
 
 class GridSlam {
  public:
     explicit GridSlam(const GridSlamSettings& settings);
 
-    /// The next scan, and how the vehicle moved since the one before, along the axes of its pose then.
-    /// `sweep`: its motion from the first beam of this scan to the last.
-    ScanPose add(const PlanarScan& scan, const Motion& motion, const grid_map::SweepMotion& sweep = {});
+    /// Before each scan: goes on with a correction that is under way. If it took effect: how it moved the vehicle.
+    std::optional<Pose2> advance();
+    /// The next scan, and where the vehicle should be. `sweep`: its motion from the first beam of this scan to the last.
+    ScanPose add(const PlanarScan& scan, const Prediction& prediction, const grid_map::SweepMotion& sweep = {});
     /// End of the log: what is under way is finished, and all poses are fitted once more.
     void finish();
 
@@ -60,7 +72,9 @@ class GridSlam {
     const ActiveMap& active_map() const { return active_; }
     const std::vector<Constraint>& constraints() const { return constraints_; }
     const std::vector<LoopRecord>& loops() const { return loops_.records(); }
-    int corrections() const { return corrections_; }
+    const std::vector<Correction>& corrections() const { return corrections_; }
+    /// For weights other than `joint`: what leads from frame to frame on the way back. Outlives this object, or is replaced.
+    void set_reverse_navigation(ReverseNavigation* navigation) { reverse_navigation_ = navigation; }
     std::uint64_t unmatched() const { return unmatched_; }
     std::uint64_t degenerate() const { return degenerate_; }
     const Linker& linker() const { return linker_; }
@@ -79,10 +93,13 @@ class GridSlam {
     std::optional<std::uint32_t> near_frame(const Pose2& T_map_base) const;
     void add_frame(const ForwardMatch& match);
     void add_constraint(const Constraint& constraint);
+    void close(const std::vector<Constraint>& loop);
+    Pose2 correct_by_going_back(const Constraint& loop);
+    void record_correction(std::vector<Pose2> before, const Constraint& loop);
     bool is_worth_correcting(const Constraint& constraint) const;
     void begin_correction();
-    bool advance_correction();
-    void apply_correction();
+    Pose2 apply_correction();
+    Pose2 take_poses(std::vector<Pose2> corrected);
     void relink(std::uint32_t from_frame);
     void rebuild_neighbourhood();
 
@@ -100,8 +117,12 @@ class GridSlam {
     std::optional<GraphOptimiser> correction_;
     std::size_t correction_frames_ = 0;
     bool relink_after_ = false;
-    std::uint32_t loop_frame_ = 0;
-    int corrections_ = 0;
+    Constraint loop_;                         ///< that the correction under way is for
+    std::optional<Pose2> T_new_old_;          ///< of a correction that was made at once
+    StampNs stamp_ns_ = 0;                    ///< of the scan at hand
+    Motion since_last_frame_;                 ///< since the latest frame was made
+    std::vector<Correction> corrections_;
+    ReverseNavigation* reverse_navigation_ = nullptr;
     std::uint64_t unmatched_ = 0, degenerate_ = 0;
     std::vector<Eigen::Matrix3d> frame_covariances_;  ///< after finish()
 };

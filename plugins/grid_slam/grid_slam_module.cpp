@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "api/observation_class.h"
+#include "inertial/imu_observation.h"
 #include "odometry/twist2.h"
 
 namespace loopline {
@@ -30,11 +31,14 @@ mrpt::obs::CObservationRobotPose::Ptr pose_observation(const Pose2& T_map_base, 
 }  // namespace
 
 ModuleInfo GridSlamModule::info() const {
-    return {"grid_slam",
-            "Maps with a planar laser on a grid, finds loops of the path by itself and corrects them.",
-            {"CObservation2DRangeScan", "CObservationOdometry"},
-            {},
-            {"CObservationRobotPose"}};
+    ModuleInfo info{"grid_slam",
+                    "Maps with a planar laser on a grid, finds loops of the path by itself and corrects them.",
+                    {"CObservation2DRangeScan"},
+                    {},
+                    {"CObservationRobotPose"}};
+    (source_ == Source::imu ? info.uses : info.needs).push_back("CObservationOdometry");
+    (source_ == Source::wheel ? info.uses : info.needs).push_back("CObservationIMU");
+    return info;
 }
 
 void GridSlamModule::start(const RunContext&) {
@@ -44,7 +48,16 @@ void GridSlamModule::start(const RunContext&) {
     settings_.links.refinement.iterations = 15;
     settings_.links.refinement.give_up_fit = 0.3;
     if (!loops_) settings_.loops.every_m = std::numeric_limits<double>::infinity();
+    inertial_.wheels = source_ == Source::imu_wheel;
+    inertial_.keep_readings = settings_.weights != Weights::joint;
     slam_ = std::make_unique<GridSlam>(settings_);
+    if (source_ == Source::wheel)
+        wheel_navigation_ = std::make_unique<WheelNavigation>(wheels_);
+    else
+        inertial_navigation_ = std::make_unique<InertialNavigation>(inertial_);
+    if (inertial_navigation_ != nullptr)
+        reverse_navigation_ = std::make_unique<InertialReverse>(*inertial_navigation_, slam_->map());
+    slam_->set_reverse_navigation(reverse_navigation_.get());
 }
 
 bool GridSlamModule::is_wanted(const std::string& label) const {
@@ -63,13 +76,30 @@ void GridSlamModule::take_odometry(const StreamItem& item) {
     }
 }
 
+void GridSlamModule::take_imu(const mrpt::obs::CObservationIMU& observation, StampNs stamp_ns) {
+    if (!imu_label_.empty() && observation.sensorLabel != imu_label_) return;
+    if (const auto reading = inertial::reading_from_mrpt(observation, stamp_ns))
+        inertial_navigation_->add(reading->along_base(), inertial::p_base_imu_m(observation));
+}
+
+/// Whether all that navigation needs up to a scan is there, or will not come any more.
+bool GridSlamModule::is_ready(const Scan& scan) const {
+    constexpr double longest_wait_s = 1;
+    if (seconds_between(scan.stamp_ns, waiting_.back().stamp_ns) > longest_wait_s) return true;
+    if (source_ != Source::wheel && !inertial_navigation_->reaches(scan.stamp_ns)) return false;
+    if (source_ == Source::imu || scan.T_odom_base) return true;
+    return std::any_of(waiting_.begin(), waiting_.end(), [](const Scan& later) { return later.T_odom_base.has_value(); });
+}
+
 void GridSlamModule::process(const StreamItem& item, Publisher& publisher) {
     if (auto scan = as<const mrpt::obs::CObservation2DRangeScan>(item.observation)) {
         if (is_wanted(scan->sensorLabel)) waiting_.push_back({item.sequence, item.stamp_ns, std::move(scan), std::nullopt});
-    } else if (as<mrpt::obs::CObservationOdometry>(item.observation.get()) != nullptr) {
+    } else if (as<const mrpt::obs::CObservationOdometry>(item.observation.get()) != nullptr) {
         take_odometry(item);
+    } else if (inertial_navigation_ != nullptr) {
+        if (const auto* imu = as<const mrpt::obs::CObservationIMU>(item.observation.get())) take_imu(*imu, item.stamp_ns);
     }
-    while (!waiting_.empty() && waiting_.front().T_odom_base) {
+    while (!waiting_.empty() && is_ready(waiting_.front())) {
         estimate(waiting_.front(), publisher);
         waiting_.pop_front();
     }
@@ -80,10 +110,22 @@ void GridSlamModule::drain(Publisher& publisher) {
     waiting_.clear();
 }
 
+Prediction GridSlamModule::predict(const Scan& scan) {
+    if (source_ != Source::imu && !scan.T_odom_base) ++without_odometry_;
+    if (wheel_navigation_ != nullptr) return wheel_navigation_->predict(scan.stamp_ns, scan.T_odom_base);
+    if (!inertial_navigation_->reaches(scan.stamp_ns)) ++without_imu_;
+    return inertial_navigation_->predict(scan.stamp_ns, scan.T_odom_base);
+}
+
+void GridSlamModule::move(const Pose2& T_new_old) {
+    if (wheel_navigation_ != nullptr) wheel_navigation_->move(T_new_old);
+    if (inertial_navigation_ != nullptr) inertial_navigation_->move(T_new_old);
+}
+
 /// As the vehicle moved since the scan before.
-grid_map::SweepMotion GridSlamModule::sweep(const Pose2& T_before_now, double since_before_s) const {
-    if (scan_duration_s_ == 0 || !(since_before_s > 0)) return {};
-    const Twist2 twist = log_se2(T_before_now) * (scan_duration_s_ / since_before_s);
+grid_map::SweepMotion GridSlamModule::sweep(const Prediction& prediction) const {
+    if (scan_duration_s_ == 0 || !(prediction.duration_s > 0)) return {};
+    const Twist2 twist = log_se2(prediction.motion.T_before_now) * (scan_duration_s_ / prediction.duration_s);
     return {twist.forward_m, twist.left_m, twist.turn_rad};
 }
 
@@ -92,14 +134,14 @@ void GridSlamModule::estimate(const Scan& scan, Publisher& publisher) {
         ++unusable_;
         return;
     }
-    if (!scan.T_odom_base) ++without_odometry_;
-    Motion motion;
-    if (T_odom_base_) motion = wheel_motion(T_odom_base_->inverse() * scan.T_odom_base.value_or(*T_odom_base_), wheels_);
-    if (scan.T_odom_base) T_odom_base_ = scan.T_odom_base;
-    const ScanPose pose = slam_->add(beams_, motion, sweep(motion.T_before_now, seconds_between(stamp_ns_, scan.stamp_ns)));
-    stamp_ns_ = scan.stamp_ns;
+    if (const auto T_new_old = slam_->advance()) move(*T_new_old);
+    const Prediction prediction = predict(scan);
+    const ScanPose pose = slam_->add(beams_, prediction, sweep(prediction));
+    if (wheel_navigation_ != nullptr) wheel_navigation_->update(scan.stamp_ns, scan.T_odom_base, pose.match);
+    if (inertial_navigation_ != nullptr) inertial_navigation_->update(pose.match);
+    if (pose.T_new_old) move(*pose.T_new_old);
     online_.push_back({scan.sequence, scan.stamp_ns, pose.T_map_base});
-    const auto published = pose_observation(pose.T_map_base, pose.covariance);
+    const auto published = pose_observation(pose.T_map_base, pose.match.covariance);
     published->timestamp = scan.observation->timestamp;
     publisher.publish(published, scan.sequence);
 }
@@ -136,6 +178,9 @@ void GridSlamModule::report_loops(Results& results) const {
     }
     results.metrics["loops_found"] = accepted;
     results.metrics["loops_refused"] = refused;
+    for (const Correction& c : slam_->corrections())
+        if (!c.before.empty())
+            results.corrections.push_back({c.stamp_ns, c.old_frame, c.frame, c.T_before_after, c.before, c.after, c.reverse_first, c.reverse});
     PoseGraph graph;
     graph.poses = slam_->map().poses;
     for (const Constraint& c : slam_->constraints()) graph.constraints.push_back({c.from, c.to, c.T_from_to, c.information});
@@ -147,11 +192,17 @@ void GridSlamModule::finish(Results& results) {
     lay_out_trajectory();
     report_loops(results);
     auto& metrics = results.metrics;
-    metrics["corrections"] = static_cast<std::int64_t>(slam_->corrections());
+    metrics["corrections"] = static_cast<std::int64_t>(slam_->corrections().size());
     metrics["map_frames"] = static_cast<std::int64_t>(slam_->map().size());
     metrics["constraints"] = static_cast<std::int64_t>(slam_->constraints().size());
     metrics["scans_unmatched"] = static_cast<std::int64_t>(slam_->unmatched());
     metrics["scans_degenerate"] = static_cast<std::int64_t>(slam_->degenerate());
+    if (inertial_navigation_ != nullptr) {
+        metrics["imu_aligned"] = inertial_navigation_->alignment_status() == inertial::AlignmentStatus::aligned;
+        metrics["imu_readings_backward"] = inertial_navigation_->backward();
+        metrics["wheel_speeds_refused"] = inertial_navigation_->refused();
+        if (without_imu_ > 0) metrics["scans_without_imu"] = without_imu_;
+    }
     if (without_odometry_ > 0) metrics["scans_without_odometry"] = without_odometry_;
     if (unusable_ > 0) metrics["scans_unusable"] = unusable_;
 }

@@ -1,7 +1,8 @@
-/// Module "grid_slam": scans and wheel odometry in, path with closed loops out.
+/// Module "grid_slam": scans with wheel odometry or an IMU in, path with closed loops out.
 #pragma once
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationIMU.h>
 
 #include <deque>
 #include <memory>
@@ -11,10 +12,13 @@
 
 #include "api/module.h"
 #include "grid_slam/grid_slam.h"
+#include "grid_slam/inertial_navigation.h"
+#include "grid_slam/wheel_navigation.h"
 
 namespace loopline {
 
-/// Pairs each scan with the odometry of the same scan (by sequence: the odometry may come later), in the log's order.
+/// Pairs each scan with the odometry of the same scan (by sequence: the odometry may come later), or waits until the
+/// readings of the IMU reach beyond it, in the log's order.
 class GridSlamModule : public Module {
     DEFINE_MRPT_OBJECT(GridSlamModule, loopline)
  public:
@@ -49,15 +53,24 @@ class GridSlamModule : public Module {
         Pose2 T_map_base;
     };
 
+    enum class Source { wheel, imu, imu_wheel };
+
     bool is_wanted(const std::string& label) const;
+    bool is_ready(const Scan& scan) const;
+    void take_imu(const mrpt::obs::CObservationIMU& observation, StampNs stamp_ns);
     void take_odometry(const StreamItem& item);
-    grid_map::SweepMotion sweep(const Pose2& T_before_now, double since_before_s) const;
+    grid_map::SweepMotion sweep(const grid_slam::Prediction& prediction) const;
+    grid_slam::Prediction predict(const Scan& scan);
+    void move(const Pose2& T_new_old);
     void estimate(const Scan& scan, Publisher& publisher);
     void lay_out_trajectory();
     void report_loops(Results& results) const;
 
     grid_slam::GridSlamSettings settings_;
+    Source source_ = Source::wheel;
     grid_slam::WheelNoise wheels_;
+    grid_slam::InertialSettings inertial_;
+    std::string imu_label_;
     std::vector<std::string> sensors_;
     bool loops_ = true;
     double scan_duration_s_ = 0;
@@ -65,10 +78,11 @@ class GridSlamModule : public Module {
     // The state: all that a break between two scans must keep.
     std::unique_ptr<grid_slam::GridSlam> slam_;
     std::deque<Scan> waiting_;  ///< by sequence
-    std::optional<Pose2> T_odom_base_;  ///< at the latest scan
-    StampNs stamp_ns_ = 0;              ///< of it
+    std::unique_ptr<grid_slam::WheelNavigation> wheel_navigation_;        ///< of the two, the one in use
+    std::unique_ptr<grid_slam::InertialNavigation> inertial_navigation_;
+    std::unique_ptr<grid_slam::ReverseNavigation> reverse_navigation_;    ///< has no state of its own between two scans
     std::deque<OnlinePose> online_;
-    std::int64_t without_odometry_ = 0, unusable_ = 0;
+    std::int64_t without_odometry_ = 0, without_imu_ = 0, unusable_ = 0;
 
     PlanarScan beams_;
     Trajectory trajectory_;  ///< laid out at the end

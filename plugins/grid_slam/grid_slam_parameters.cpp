@@ -3,11 +3,16 @@
 
 namespace loopline {
 
+using namespace grid_slam;
+
 ParameterTable GridSlamModule::parameters() {
     auto& s = settings_;
     auto& refinement = s.forward.refinement;
+    auto& gyro = inertial_.noise.gyro;
+    auto& accelerometer = inertial_.noise.accelerometer;
     ParameterTable table("grid_slam", info().sentence);
     table.list("sensors", sensors_, "Labels of the lasers whose scans are used; empty for all.")
+        .choice("navigation", source_, {{"wheel", Source::wheel}, {"imu", Source::imu}, {"imu+wheel", Source::imu_wheel}}, "What tells where the vehicle goes between two scans.")
         .real("cell_m", s.cell_m, {0.01, 1}, "Edge of a cell of the map that scans are matched with.")
         .real("min_range_m", s.frame.min_range_m, {0, 100}, "Nearer returns are of the vehicle itself.")
         .real("max_range_m", s.frame.max_range_m, {0.1, 1000}, "Farther returns are left out.")
@@ -31,6 +36,8 @@ ParameterTable GridSlamModule::parameters() {
         .real("new_fit", s.new_fit, {0, 1}, "Or if less than this part of its returns fits the map.")
         .real("active_sigma_m", s.active.sigma_m, {0.01, 10}, "Scans are matched with what is known to this standard deviation from where the vehicle is; what is older takes a loop.")
         .integer("link_visits", s.links.visits, {0, 20}, "Earlier visits of a place that a scan of the map is tied to.")
+        .choice("weights", s.weights, {{"linear", Weights::linear}, {"covariance", Weights::covariance}, {"joint", Weights::joint}},
+                "How a loop is corrected: by going back through it, both ways weighted by the way (the patent) or by what they are worth; or all loops at once.")
         .boolean("loops", loops_, "Look for loops of the path.")
         .real("loop_every_m", s.loops.every_m, {0.05, 100}, "Way between two looks.")
         .real("loop_reach_m", s.loops.reach_m, {0.1, 100}, "Distance of an old scan that the vehicle may see the same from.")
@@ -40,6 +47,17 @@ ParameterTable GridSlamModule::parameters() {
         .real("loop_min_fit", s.loops.min_fit, {0, 1}, "Part of the latest returns that must lie on surfaces of the old map.")
         .real("loop_rival", s.loops.rival, {0, 1}, "A second place as likely as this part of the best one makes a loop ambiguous.")
         .real("loop_max_sigma_m", s.loops.max_sigma_m, {1e-3, 10}, "How well the scans must hold the pose in each direction.");
+    table.text("imu", imu_label_, "Label of the IMU; empty: of any.")
+        .angle("gyro_noise_deg", gyro.density_radps_sqrt_hz, {1e-6, 10}, "Angular random walk: standard deviation of a turn after 1 s.")
+        .angle("gyro_bias_walk_dps", gyro.bias_walk_radps_sqrt_s, {0, 1}, "What the gyro's bias walks in 1 s.")
+        .real("accelerometer_noise_mps", accelerometer.density_mps2_sqrt_hz, {1e-6, 10}, "Velocity random walk: standard deviation of the speed after 1 s.")
+        .real("accelerometer_bias_walk_mps2", accelerometer.bias_walk_mps2_sqrt_s, {0, 1}, "What the accelerometer's bias walks in 1 s.")
+        .real("standstill_s", inertial_.alignment.duration_s, {0.1, 60}, "Standstill that the IMU is aligned by.")
+        .real("gravity_mps2", inertial_.gravity_mps2, {9.7, 9.9}, "At the place of the survey.")
+        .real("sigma_map_m", inertial_.map.sigma_m, {0, 1}, "What scans say about the place errs by so much together with the map.")
+        .angle("sigma_map_deg", inertial_.map.sigma_rad, {0, 10}, "And about the heading.")
+        .real("sigma_wheel_mps", inertial_.sigma_wheel_mps, {1e-3, 10}, "Of the wheels' speed, for imu+wheel.")
+        .real("sigma_side_mps", inertial_.sigma_side_mps, {1e-3, 10}, "Of the speed sideways, which wheels don't have.");
     return table;
 }
 

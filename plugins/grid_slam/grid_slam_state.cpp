@@ -24,18 +24,18 @@ void fields(Archive& archive, Frame& frame) {
 namespace grid_slam {
 
 template <class Archive>
+void fields(Archive& archive, Motion& motion) {
+    archive(motion.T_before_now, motion.covariance);
+}
+
+template <class Archive>
 void fields(Archive& archive, MapFrames& map) {
-    archive(map.frames, map.poses, map.path_m, map.scans);
+    archive(map.frames, map.poses, map.path_m, map.scans, map.stamps_ns, map.motions);
 }
 
 template <class Archive>
 void fields(Archive& archive, Constraint& c) {
     archive(c.from, c.to, c.T_from_to, c.information, c.kind);
-}
-
-template <class Archive>
-void fields(Archive& archive, Motion& motion) {
-    archive(motion.T_before_now, motion.covariance);
 }
 
 template <class Archive>
@@ -96,12 +96,33 @@ void fields(Archive& archive, GridSlam& slam) {
     fields(archive, slam.active_, slam.map_);
     archive(slam.linker_, slam.loops_, slam.constraints_);
     archive.each(slam.places_, [](auto& a, auto& place) { a(place.frame, place.T_frame_base, place.covariance); });
-    archive(slam.since_frame_, slam.way_m_, slam.chosen_at_m_);
+    archive(slam.since_frame_, slam.since_last_frame_, slam.stamp_ns_, slam.way_m_, slam.chosen_at_m_);
     fields(archive, slam.correction_, slam.constraints_, slam.settings_.online_graph);
     std::uint64_t correction_frames = slam.correction_frames_;
-    archive(correction_frames, slam.relink_after_, slam.loop_frame_, slam.corrections_, slam.unmatched_, slam.degenerate_);
+    archive(correction_frames, slam.relink_after_, slam.loop_, slam.unmatched_, slam.degenerate_);
+    archive.each(slam.corrections_, [](auto& a, auto& c) {
+        a(c.stamp_ns, c.old_frame, c.frame, c.before, c.after, c.reverse_first, c.reverse, c.T_before_after);
+    });
     slam.correction_frames_ = correction_frames;
     if constexpr (Archive::reading) slam.rebuild_neighbourhood();
+}
+
+template <class Archive>
+void fields(Archive& archive, WheelNavigation& n) {
+    archive(n.started_, n.stamp_ns_, n.T_odom_base_, n.T_map_base_, n.covariance_);
+}
+
+template <class Archive>
+void fields(Archive& archive, InertialNavigation& n) {
+    const auto sample = [](auto& a, inertial::ImuSample& s) { a(s.stamp_ns, s.omega_base_radps, s.specific_force_base_mps2); };
+    archive(n.filter_, n.place_.p_base_imu_m, n.window_, n.alignment_status_, n.aligned_);
+    archive.each(n.samples_, sample);
+    archive.each(n.readings_, sample);
+    bool latest = n.latest_.has_value();
+    archive(latest);
+    if (Archive::reading && latest) n.latest_.emplace();
+    if (latest) sample(archive, *n.latest_);
+    archive(n.first_ns_, n.scan_ns_, n.T_odom_base_, n.T_map_base_, n.T_before_now_, n.covariance_, n.refused_, n.backward_);
 }
 
 }  // namespace grid_slam
@@ -116,9 +137,10 @@ void fields(Archive& archive, GridSlamModule& m) {
         else
             a.archive().WriteObject(*scan.observation);
     });
-    archive(m.T_odom_base_, m.stamp_ns_);
+    if (m.wheel_navigation_) archive(*m.wheel_navigation_);
+    if (m.inertial_navigation_) archive(*m.inertial_navigation_);
     archive.each(m.online_, [](auto& a, auto& pose) { a(pose.sequence, pose.stamp_ns, pose.T_map_base); });
-    archive(m.without_odometry_, m.unusable_);
+    archive(m.without_odometry_, m.without_imu_, m.unusable_);
 }
 
 void GridSlamModule::save_state(mrpt::serialization::CArchive& out) const {

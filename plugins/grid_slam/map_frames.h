@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "api/pose2.h"
+#include "api/stamp.h"
 #include "grid_map/frame.h"
+#include "grid_slam/motion.h"
 
 namespace loopline::grid_slam {
 
@@ -15,14 +17,19 @@ struct MapFrames {
     std::vector<Pose2> poses;         ///< T_map_base
     std::vector<double> path_m;       ///< way of the vehicle when it was taken
     std::vector<std::uint64_t> scans; ///< which scan of the log it was
+    std::vector<StampNs> stamps_ns;
+    std::vector<Motion> motions;      ///< from the frame before, as navigation tells it without scans
 
     std::size_t size() const { return frames.size(); }
     std::uint32_t last() const { return static_cast<std::uint32_t>(frames.size() - 1); }
-    std::uint32_t add(grid_map::Frame frame, const Pose2& T_map_base, double way_m, std::uint64_t scan) {
+    std::uint32_t add(grid_map::Frame frame, const Pose2& T_map_base, double way_m, std::uint64_t scan, StampNs stamp_ns,
+                      const Motion& motion) {
         frames.push_back(std::move(frame));
         poses.push_back(T_map_base);
         path_m.push_back(way_m);
         scans.push_back(scan);
+        stamps_ns.push_back(stamp_ns);
+        motions.push_back(motion);
         return last();
     }
     double distance_m(std::uint32_t a, std::uint32_t b) const {

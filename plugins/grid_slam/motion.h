@@ -8,6 +8,14 @@
 
 namespace loopline::grid_slam {
 
+/// A covariance of (x, y, phi) along axes that are turned by `phi_rad` against those it is given along.
+inline Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double phi_rad) {
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    const double c = std::cos(phi_rad), s = std::sin(phi_rad);
+    turn.topLeftCorner<2, 2>() << c, -s, s, c;
+    return turn * covariance * turn.transpose();
+}
+
 struct Motion {
     Pose2 T_before_now;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, phi), along the axes of `before`
@@ -24,6 +32,19 @@ inline Motion operator*(const Motion& a_b, const Motion& b_c) {
     turned.topLeftCorner<2, 2>() << c, -s, s, c;
     return {a_b.T_before_now * b_c.T_before_now,
             carried * a_b.covariance * carried.transpose() + turned * b_c.covariance * turned.transpose()};
+}
+
+/// The way back: T_now_before, along the axes of `now`.
+inline Motion inverse(const Motion& motion) {
+    const double c = std::cos(motion.T_before_now.phi_rad), s = std::sin(motion.T_before_now.phi_rad);
+    const Pose2 T_now_before = motion.T_before_now.inverse();
+    // (t', phi') = (-R' t, -phi), with d(-R' t) = -R' dt + J R' t dphi, J a quarter turn to the left.
+    Eigen::Matrix3d by = Eigen::Matrix3d::Zero();
+    by.topLeftCorner<2, 2>() << -c, -s, s, -c;
+    by(0, 2) = T_now_before.y_m;
+    by(1, 2) = -T_now_before.x_m;
+    by(2, 2) = -1;
+    return {T_now_before, by * motion.covariance * by.transpose()};
 }
 
 /// How far wheels can be trusted; standard deviations grow in proportion to the motion between two scans, since what

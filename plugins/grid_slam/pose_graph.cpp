@@ -35,8 +35,14 @@ Linearised linearise(const Constraint& constraint, const Pose2& T_map_from, cons
     return l;
 }
 
+}  // namespace
+
+Eigen::Vector3d residual(const Constraint& constraint, const Pose2& T_map_from, const Pose2& T_map_to) {
+    return linearise(constraint, T_map_from, T_map_to).e;
+}
+
 /// Lower triangle of the information of all poses but the first, and what drives them.
-class NormalEquations {
+class GraphOptimiser::NormalEquations {
  public:
     NormalEquations(std::size_t poses, const std::vector<Constraint>& constraints)
         : size_(static_cast<Eigen::Index>(3 * (poses - 1))), gradient_(size_) {
@@ -89,12 +95,6 @@ class NormalEquations {
     Eigen::SparseMatrix<double> matrix_;
     Eigen::VectorXd gradient_;
 };
-
-}  // namespace
-
-Eigen::Vector3d residual(const Constraint& constraint, const Pose2& T_map_from, const Pose2& T_map_to) {
-    return linearise(constraint, T_map_from, T_map_to).e;
-}
 
 struct GraphOptimiser::Solver {
     explicit Solver(const NormalEquations& of) : equations(of) {}

@@ -56,6 +56,7 @@ class GraphOptimiser {
     std::vector<Eigen::Matrix3d> covariances();
 
  private:
+    class NormalEquations;
     struct Solver;
     std::vector<Pose2> poses_;
     std::vector<Constraint> constraints_;

@@ -1,0 +1,251 @@
+#include "grid_slam/inertial_navigation.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "odometry/twist2.h"
+
+namespace loopline::grid_slam {
+namespace {
+
+/// A reading between two others.
+inertial::ImuSample between(const inertial::ImuSample& a, const inertial::ImuSample& b, StampNs stamp_ns) {
+    const double span_s = seconds_between(a.stamp_ns, b.stamp_ns), u = span_s > 0 ? seconds_between(a.stamp_ns, stamp_ns) / span_s : 0;
+    return {stamp_ns, (1 - u) * a.omega_base_radps + u * b.omega_base_radps,
+            (1 - u) * a.specific_force_base_mps2 + u * b.specific_force_base_mps2};
+}
+
+/// What speed and gyro get wrong within a step, on (x, y, phi) along the axes of the map.
+Eigen::Matrix3d error_of_step(const inertial::ErrorStateFilter& filter, const inertial::ImuNoise& noise, double duration_s) {
+    const auto& P = filter.covariance();
+    const double dt = std::max(duration_s, 1e-3);
+    Eigen::Matrix3d error = Eigen::Matrix3d::Zero();
+    error.topLeftCorner<2, 2>() = P.block<2, 2>(inertial::velocity_error, inertial::velocity_error) * dt * dt;
+    error(2, 2) = P(inertial::gyro_bias_error + 2, inertial::gyro_bias_error + 2) * dt * dt +
+                  std::pow(noise.gyro.density_radps_sqrt_hz, 2) * dt;
+    error.diagonal() += Eigen::Vector3d(1e-8, 1e-8, 1e-9);
+    return error;
+}
+
+/// State and covariance as seen after the map was moved.
+void move_filter(inertial::ErrorStateFilter& filter, const Pose2& T_new_old) {
+    inertial::NavigationState state = filter.state();
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(T_new_old.phi_rad, Eigen::Vector3d::UnitZ()));
+    state.p_map_m = turn * state.p_map_m + Eigen::Vector3d(T_new_old.x_m, T_new_old.y_m, 0);
+    state.v_map_mps = turn * state.v_map_mps;
+    state.q_map_base = (turn * state.q_map_base).normalized();
+    inertial::ErrorMatrix turns = inertial::ErrorMatrix::Identity();
+    for (const int part : {inertial::position_error, inertial::velocity_error, inertial::attitude_error})
+        turns.block<3, 3>(part, part) = turn.toRotationMatrix();
+    filter.start(state, turns * filter.covariance() * turns.transpose());
+}
+
+inertial::PlanarInformation without_the_map_noise(const ForwardMatch& match, const MapNoise& map) {
+    // Directions that the scan does not hold have no information, and stay without.
+    const Eigen::Matrix3d doubt = (Eigen::Matrix3d::Identity() + match.information * map.covariance()).inverse();
+    return {match.T_map_base, doubt * match.information, doubt * match.gradient};
+}
+
+}  // namespace
+
+InertialNavigation::InertialNavigation(const InertialSettings& settings)
+    : settings_(settings),
+      mechanisation_{settings.gravity_mps2},
+      filter_(mechanisation_, settings.noise),
+      window_(settings.alignment.duration_s) {}
+
+void InertialNavigation::add(const inertial::ImuSample& sample, const Eigen::Vector3d& p_base_imu_m) {
+    const StampNs newest_ns = !samples_.empty() ? samples_.back().stamp_ns : latest_ ? latest_->stamp_ns : sample.stamp_ns - 1;
+    if (sample.stamp_ns <= newest_ns) {
+        ++backward_;
+        return;
+    }
+    place_.p_base_imu_m = p_base_imu_m;
+    if (!first_ns_) first_ns_ = sample.stamp_ns;
+    if (settings_.keep_readings) readings_.push_back(sample);
+    samples_.push_back(sample);
+}
+
+/// The reading at a time, which the filter then stands at; those before it are used up.
+void InertialNavigation::propagate(StampNs stamp_ns) {
+    while (!samples_.empty()) {
+        const bool whole = samples_.front().stamp_ns <= stamp_ns;
+        // Up to the scan itself, between two readings; after the last one the last one holds.
+        const inertial::ImuSample next = whole ? samples_.front() : latest_ ? between(*latest_, samples_.front(), stamp_ns) : samples_.front();
+        if (latest_ && next.stamp_ns <= latest_->stamp_ns) {
+            if (!whole) return;
+            samples_.pop_front();
+            continue;
+        }
+        if (!latest_ && !whole) return;
+        if (aligned_ && latest_) filter_.predict_forward(*latest_, next);
+        if (!aligned_ && whole) window_.add(next);
+        latest_ = next;
+        if (!whole) return;
+        samples_.pop_front();
+    }
+    if (latest_ && latest_->stamp_ns < stamp_ns) {
+        inertial::ImuSample held = *latest_;
+        held.stamp_ns = stamp_ns;
+        if (aligned_) filter_.predict_forward(*latest_, held);
+        latest_ = held;
+    }
+}
+
+/// Starts the filter where the vehicle is now.
+void InertialNavigation::try_to_align() {
+    if (!latest_ || !scan_ns_) return;
+    const inertial::ImuMean mean = window_.mean();
+    inertial::Alignment alignment = inertial::align(mean, T_map_base_, mechanisation_, settings_.alignment);
+    alignment_status_ = alignment.status;
+    const bool overdue = seconds_between(*first_ns_, latest_->stamp_ns) > settings_.coarse_after_s;
+    if (!alignment.aligned() && (!overdue || mean.count < 10)) return;
+    if (!alignment.aligned()) {
+        // On the way: up is about where the mean force points, and the gyro's bias is unknown.
+        const Eigen::Vector3d up = mean.specific_force_base_mps2.normalized();
+        alignment.state.q_map_base = Eigen::Quaterniond(Eigen::AngleAxisd(T_map_base_.phi_rad, Eigen::Vector3d::UnitZ())) *
+                                     Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+        alignment.state.p_map_m = Eigen::Vector3d(T_map_base_.x_m, T_map_base_.y_m, 0) + alignment.state.q_map_base * place_.p_base_imu_m;
+        alignment.state.v_map_mps.setZero();
+        alignment.covariance.setZero();
+        const double sigma[5] = {0.02, 1.5, 3 * M_PI / 180, 0.5 * M_PI / 180, settings_.alignment.sigma_accelerometer_bias_mps2};
+        for (int k = 0; k < 15; ++k) alignment.covariance(k, k) = sigma[k / 3] * sigma[k / 3];
+    } else {
+        alignment.state.p_map_m += alignment.state.q_map_base * place_.p_base_imu_m;
+    }
+    alignment.state.stamp_ns = latest_->stamp_ns;
+    filter_.start(alignment.state, alignment.covariance);
+    aligned_ = true;
+}
+
+/// As if the vehicle went on as it did.
+Prediction InertialNavigation::steady(StampNs stamp_ns) const {
+    Prediction p;
+    p.stamp_ns = stamp_ns;
+    p.duration_s = scan_ns_ ? seconds_between(*scan_ns_, stamp_ns) : 0;
+    p.motion.T_before_now = T_before_now_;
+    p.motion.covariance.diagonal() << std::pow(settings_.sigma_steady_m, 2), std::pow(settings_.sigma_steady_m, 2),
+        std::pow(settings_.sigma_steady_rad, 2);
+    const Motion now = Motion{T_map_base_, covariance_} * p.motion;
+    p.T_map_base = now.T_before_now;
+    p.covariance = now.covariance;
+    return p;
+}
+
+Prediction InertialNavigation::predict(StampNs stamp_ns, const std::optional<Pose2>& T_odom_base) {
+    const bool was_aligned = aligned_;
+    propagate(stamp_ns);
+    if (!aligned_) try_to_align();
+    Prediction p = steady(stamp_ns);
+    scan_ns_ = stamp_ns;
+    if (!was_aligned) {
+        if (T_odom_base) T_odom_base_ = T_odom_base;
+        return p;
+    }
+    take_wheels(T_odom_base, p.duration_s);
+    filter_.update(inertial::level_floor_measurement(filter_.state(), place_, settings_.floor));
+    p.T_map_base = inertial::base_pose(filter_.state(), place_).planar();
+    p.motion.T_before_now = T_map_base_.inverse() * p.T_map_base;
+
+    const auto& P = filter_.covariance();
+    const auto measured = inertial::pose_measurement(filter_.state(), place_, p.T_map_base, Eigen::Matrix3d::Identity());
+    p.covariance = measured.H * P * measured.H.transpose() + 1e-8 * Eigen::Matrix3d::Identity();
+    p.motion.covariance = turned(error_of_step(filter_, settings_.noise, p.duration_s), -T_map_base_.phi_rad);
+    return p;
+}
+
+void InertialNavigation::take_wheels(const std::optional<Pose2>& T_odom_base, double duration_s) {
+    if (settings_.wheels && T_odom_base && T_odom_base_ && duration_s > 1e-3 && latest_) {
+        const Twist2 twist = log_se2(T_odom_base_->inverse() * *T_odom_base) * (1 / duration_s);
+        const auto& omega = latest_->omega_base_radps;
+        constexpr double gate = 0.999;
+        const auto forward = inertial::base_speed_measurement(filter_.state(), place_, omega, 0, twist.forward_m, settings_.sigma_wheel_mps);
+        if (!filter_.update(forward, gate).accepted()) ++refused_;
+        const auto sideways = inertial::base_speed_measurement(filter_.state(), place_, omega, 1, twist.left_m, settings_.sigma_side_mps);
+        if (!filter_.update(sideways, gate).accepted()) ++refused_;
+    }
+    if (T_odom_base) T_odom_base_ = T_odom_base;
+}
+
+void InertialNavigation::update(const ForwardMatch& match) {
+    T_before_now_ = T_map_base_.inverse() * match.T_map_base;
+    T_map_base_ = match.T_map_base;
+    covariance_ = match.covariance;
+    if (!aligned_ || !match.matched) return;
+    const auto pose = without_the_map_noise(match, settings_.map);
+    filter_.update(inertial::pose_measurement(filter_.state(), place_, pose));
+}
+
+void InertialNavigation::move(const Pose2& T_new_old) {
+    T_map_base_ = T_new_old * T_map_base_;
+    covariance_ = turned(covariance_, T_new_old.phi_rad);
+    if (!aligned_) return;
+    move_filter(filter_, T_new_old);
+}
+
+InertialReverse::InertialReverse(const InertialNavigation& navigation, const MapFrames& map) : navigation_(navigation), map_(map) {}
+
+void InertialReverse::start(std::uint32_t frame, const Pose2& T_map_base, const Eigen::Matrix3d& covariance) {
+    filter_ = navigation_.filter();
+    frame_ = frame;
+    T_map_base_ = T_map_base;
+    const Pose2 was = inertial::base_pose(filter_.state(), navigation_.place_).planar();
+    move_filter(filter_, T_map_base * was.inverse());
+    // The pose is the loop's. What forward knows of speed and attitude it has from the readings that are to come again, so
+    // they count for little; the biases, which these do not tell in a moment, are kept.
+    inertial::ErrorMatrix P = inertial::ErrorMatrix::Zero();
+    constexpr double sigma_speed_mps = 0.1, sigma_tilt_rad = 0.5 * M_PI / 180;
+    P.block<2, 2>(0, 0) = covariance.topLeftCorner<2, 2>();
+    P(2, 2) = 1e-4;
+    P.block<2, 1>(0, inertial::attitude_error + 2) = covariance.block<2, 1>(0, 2);
+    P.block<1, 2>(inertial::attitude_error + 2, 0) = covariance.block<1, 2>(2, 0);
+    for (int k = 0; k < 3; ++k) P(inertial::velocity_error + k, inertial::velocity_error + k) = sigma_speed_mps * sigma_speed_mps;
+    for (int k = 0; k < 2; ++k) P(inertial::attitude_error + k, inertial::attitude_error + k) = sigma_tilt_rad * sigma_tilt_rad;
+    P(inertial::attitude_error + 2, inertial::attitude_error + 2) = covariance(2, 2) + 1e-8;
+    P.bottomRightCorner<6, 6>() = filter_.covariance().bottomRightCorner<6, 6>();
+    filter_.start(filter_.state(), P);
+    // The reading at the frame itself, then those before it.
+    const auto& readings = navigation_.readings_;
+    next_ = static_cast<std::size_t>(std::upper_bound(readings.begin(), readings.end(), map_.stamps_ns[frame],
+                                                      [](StampNs t, const inertial::ImuSample& s) { return t < s.stamp_ns; }) -
+                                     readings.begin());
+    latest_ = reading_at(map_.stamps_ns[frame]);
+}
+
+/// Between the two readings around it; `next_` is the later one.
+inertial::ImuSample InertialReverse::reading_at(StampNs stamp_ns) const {
+    const auto& readings = navigation_.readings_;
+    if (next_ == 0 || next_ == readings.size()) {
+        inertial::ImuSample held = readings[next_ == 0 ? 0 : next_ - 1];
+        held.stamp_ns = stamp_ns;
+        return held;
+    }
+    return between(readings[next_ - 1], readings[next_], stamp_ns);
+}
+
+Motion InertialReverse::motion_back(std::uint32_t to) {
+    const StampNs stamp_ns = map_.stamps_ns[to];
+    const double duration_s = seconds_between(stamp_ns, map_.stamps_ns[frame_]);
+    const auto& readings = navigation_.readings_;
+    while (next_ > 0 && readings[next_ - 1].stamp_ns > stamp_ns) {
+        if (readings[next_ - 1].stamp_ns < latest_.stamp_ns) filter_.predict_reverse(readings[next_ - 1], latest_), latest_ = readings[next_ - 1];
+        --next_;
+    }
+    const inertial::ImuSample there = reading_at(stamp_ns);
+    if (there.stamp_ns < latest_.stamp_ns) filter_.predict_reverse(there, latest_), latest_ = there;
+    filter_.update(inertial::level_floor_measurement(filter_.state(), navigation_.place_, navigation_.settings_.floor));
+    frame_ = to;
+    const Pose2 T_map_there = inertial::base_pose(filter_.state(), navigation_.place_).planar();
+    return {T_map_base_.inverse() * T_map_there,
+            turned(error_of_step(filter_, navigation_.settings_.noise, duration_s), -T_map_base_.phi_rad)};
+}
+
+void InertialReverse::update(const ForwardMatch& match) {
+    T_map_base_ = match.T_map_base;
+    if (!match.matched) return;
+    const auto pose = without_the_map_noise(match, navigation_.settings_.map);
+    filter_.update(inertial::pose_measurement(filter_.state(), navigation_.place_, pose));
+}
+
+}  // namespace loopline::grid_slam
