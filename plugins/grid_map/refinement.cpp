@@ -214,7 +214,9 @@ ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map
         }
     }
     result.information = without_noise_of_normals(sums.by_both_normals);
-    result.gradient = sums.gradient;
+    // Where its own optimum is, stays; how much it draws towards it, is as much as is known.
+    const Eigen::LDLT<Eigen::Matrix3d> solver(sums.information + 1e-6 * Eigen::Matrix3d::Identity());
+    result.gradient = result.information * solver.solve(sums.gradient);
     result.used = sums.used;
     result.fit = sums.of > 0 ? static_cast<double>(sums.used) / sums.of : 0;
     result.rms_m = sums.used > 0 ? std::sqrt(sums.squares / sums.used) : 0;
