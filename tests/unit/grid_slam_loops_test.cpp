@@ -14,6 +14,8 @@ using namespace loopline::grid_slam;
 namespace {
 
 constexpr double deg = M_PI / 180;
+/// Of a scan, ten a second.
+StampNs stamp(std::size_t k) { return static_cast<StampNs>(k) * 100'000'000; }
 
 /// A drive as the search for loops sees it: frames at dead-reckoned poses, chained by their motions.
 class DeadReckonedDrive {
@@ -47,7 +49,7 @@ class DeadReckonedDrive {
         const double way_m =
             k == 0 ? 0 : map.path_m.back() + motions_[k - 1].T_before_now.translation().norm();
         const Pose2 T = k == 0 ? Pose2{} : map.poses.back() * motions_[k - 1].T_before_now;
-        map.add(frame, T, way_m, k);
+        map.add(frame, T, way_m, k, stamp(k), k == 0 ? Motion{} : motions_[k - 1]);
         graph_.resize(map.size());
         active_.add(map, map.last());
         if (k == 0) return;
@@ -160,11 +162,20 @@ Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     const auto world = test::ring_building();
     const auto motions = test::noisy_motions(truth, {0.01, 0.01, 0.3 * deg}, random);
-    GridSlamSettings settings;
-    GridSlam slam(settings);
-    for (std::size_t k = 0; k < truth.size(); ++k)
-        slam.add(grid_map_world::scan_at(world, truth[k], sensor_270, random),
-                 k == 0 ? Motion{} : motions[k - 1]);
+    GridSlam slam{GridSlamSettings{}};
+    Motion before;  // the pose at the scan before, and how well it is known
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+        if (const auto T_new_old = slam.advance()) before.T_before_now = *T_new_old * before.T_before_now;
+        Prediction prediction;
+        prediction.stamp_ns = stamp(k);
+        prediction.duration_s = k == 0 ? 0 : 0.1;
+        if (k > 0) prediction.motion = motions[k - 1];
+        const Motion now = before * prediction.motion;
+        prediction.T_map_base = now.T_before_now;
+        prediction.covariance = now.covariance;
+        const ScanPose pose = slam.add(grid_map_world::scan_at(world, truth[k], sensor_270, random), prediction);
+        before = {pose.T_map_base, pose.match.covariance};
+    }
     slam.finish();
     Path path;
     slam.path(path.poses, path.covariances);
