@@ -51,10 +51,11 @@ std::vector<std::vector<CellIndex>> turn(const ScanGrid& grid, const std::vector
         const double phi = window.T_map_center.phi_rad + k * window.heading_step_rad;
         const double c = std::cos(phi) / grid.cell_m(), s = std::sin(phi) / grid.cell_m(),
                      x = window.T_map_center.x_m / grid.cell_m(), y = window.T_map_center.y_m / grid.cell_m();
-        std::vector<CellIndex> cells;
-        cells.reserve(points_base_m.size());
-        for (const auto& p : points_base_m)
-            cells.push_back({ScanGrid::floor_to_int(x + c * p.x() - s * p.y()), ScanGrid::floor_to_int(y + s * p.x() + c * p.y())});
+        std::vector<CellIndex> cells(points_base_m.size());
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const double px = points_base_m[i].x(), py = points_base_m[i].y();
+            cells[i] = {ScanGrid::floor_to_int(x + c * px - s * py), ScanGrid::floor_to_int(y + s * px + c * py)};
+        }
         all.push_back(std::move(cells));
     }
     return all;

@@ -41,8 +41,7 @@ SearchArea* SearchArea::around(const ScanGrid& grid, const std::vector<std::vect
     // What is not needed is not written, and whatever is in it is not read.
     if (area.likelihood_.size() < tiles * side * side)
         for (auto* layer : {&area.likelihood_, &area.best_of_rows_, &area.best_of_block_}) layer->resize(tiles * side * side);
-    for (const auto& turned : cells)
-        for (const CellIndex& cell : turned) area.mark(cell, cells_x, cells_y);
+    area.mark(cells, cells_x, cells_y);
     const auto is_needed = [&](int tx, int ty) {
         return tx >= 0 && ty >= 0 && (area.state_[index(ty, area.tiles_x_, tx)] & SearchArea::needed) != 0;
     };
@@ -77,10 +76,24 @@ bool SearchArea::is_small() const {
     return static_cast<std::int64_t>(tiles_x_) * tiles_y_ <= most_tiles;
 }
 
-void SearchArea::mark(CellIndex cell, int cells_x, int cells_y) {
-    const int x = cell.x - x0_, y = cell.y - y0_;
-    for (int ty = (y - cells_y) >> bits; ty <= (y + cells_y + block - 1) >> bits; ++ty)
-        for (int tx = (x - cells_x) >> bits; tx <= (x + cells_x + block - 1) >> bits; ++tx) state_[index(ty, tiles_x_, tx)] |= needed;
+void SearchArea::mark(const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y) {
+    // A return hardly moves from one heading to the next, so a few of them are taken together.
+    constexpr std::size_t together = 8;
+    for (std::size_t first = 0; first < cells.size(); first += together) {
+        const std::size_t end = std::min(first + together, cells.size());
+        for (std::size_t i = 0; i < cells[first].size(); ++i) {
+            int left = cells[first][i].x, right = left, bottom = cells[first][i].y, top = bottom;
+            for (std::size_t k = first + 1; k < end; ++k) {
+                left = std::min(left, cells[k][i].x);
+                right = std::max(right, cells[k][i].x);
+                bottom = std::min(bottom, cells[k][i].y);
+                top = std::max(top, cells[k][i].y);
+            }
+            for (int ty = (bottom - cells_y - y0_) >> bits; ty <= (top + cells_y + block - 1 - y0_) >> bits; ++ty)
+                for (int tx = (left - cells_x - x0_) >> bits; tx <= (right + cells_x + block - 1 - x0_) >> bits; ++tx)
+                    state_[index(ty, tiles_x_, tx)] |= needed;
+        }
+    }
 }
 
 bool SearchArea::is_empty(int tile_x, int tile_y) const {
@@ -111,27 +124,21 @@ void SearchArea::bound(int tile_x, int tile_y) {
         return;
     }
     const std::uint8_t* from = &likelihood_[index(tile_y * side, stride_, tile_x * side)];
-    // Best of 4 rows, and of 16 by four of these.
-    std::uint8_t best_4[(wide - 4) * wide], best_16[wide + lanes] = {};
-    for (int y = 0; y < wide - 4; ++y) {
-        const std::uint8_t* row = from + index(y, stride_, 0);
-        std::uint8_t* to = best_4 + y * wide;
-        larger<wide>(row, row + stride_, to);
-        larger<wide>(to, row + 2 * stride_, to);
-        larger<wide>(to, row + 3 * stride_, to);
-    }
+    // Best of 2, 4, 8 and 16 rows; from the bottom to the top, since each looks at those above it only.
+    std::uint8_t best[wide * wide];
+    const auto row = [&best](int y) { return best + y * wide; };
+    for (int y = 0; y < wide - 1; ++y) larger<wide>(from + index(y, stride_, 0), from + index(y + 1, stride_, 0), row(y));
+    for (int y = 0; y < wide - 3; ++y) larger<wide>(row(y), row(y + 2), row(y));
+    for (int y = 0; y < side; ++y) std::memcpy(&best_of_rows_[index(tile_y * side + y, stride_, tile_x * side)], row(y), side);
+    for (int y = 0; y < wide - 8; ++y) larger<wide>(row(y), row(y + 4), row(y));
     for (int y = 0; y < side; ++y) {
-        const std::size_t to = index(tile_y * side + y, stride_, tile_x * side);
-        const std::uint8_t* row = best_4 + y * wide;
-        std::memcpy(&best_of_rows_[to], row, side);
-        larger<wide>(row, row + 4 * wide, best_16);
-        larger<wide>(best_16, row + 8 * wide, best_16);
-        larger<wide>(best_16, row + 12 * wide, best_16);
-        // Then of 2, 4, 8 and 16 of them side by side; from left to right, since each looks to its right only.
-        larger<wide>(best_16, best_16 + 1, best_16);
-        larger<wide>(best_16, best_16 + 2, best_16);
-        larger<wide>(best_16, best_16 + 4, best_16);
-        larger<side>(best_16, best_16 + 8, &best_of_block_[to]);
+        std::uint8_t beside[wide + lanes] = {};
+        larger<wide>(row(y), row(y + 8), beside);
+        // The same for cells beside each other, from left to right.
+        larger<wide>(beside, beside + 1, beside);
+        larger<wide>(beside, beside + 2, beside);
+        larger<wide>(beside, beside + 4, beside);
+        larger<side>(beside, beside + 8, &best_of_block_[index(tile_y * side + y, stride_, tile_x * side)]);
     }
 }
 

@@ -32,7 +32,7 @@ class SearchArea {
  private:
     void size(const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y);
     bool is_small() const;
-    void mark(CellIndex cell, int cells_x, int cells_y);
+    void mark(const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y);
     /// Whether the map has nothing in a tile, nor in those to the right and above it that its bounds look at.
     bool is_empty(int tile_x, int tile_y) const;
     void fill(const ScanGrid& grid, int tile_x, int tile_y);
