@@ -147,6 +147,8 @@ class BranchAndBound {
     std::int32_t place(int dx, int dy) const { return dx + dy * area_.stride(); }
 
     Node block(int heading, int dx, int dy) const {
+        // The one block of a heading: the middle first, as what is searched for is likely near it.
+        if (!area_.has_blocks()) return {std::numeric_limits<int>::max() - std::abs(heading), heading, dx, dy};
         const std::uint8_t* best = area_.best_of_block() + place(dx, dy);
         int sum = 0;
         for (const std::int32_t point : points(heading)) sum += best[point];

@@ -36,6 +36,7 @@ SearchArea* SearchArea::around(const ScanGrid& grid, const std::vector<std::vect
     area.size(cells, cells_x, cells_y);
     if (!area.is_small()) return nullptr;
     area.stride_ = area.tiles_x_ * side;
+    area.has_blocks_ = 2 * std::max(cells_x, cells_y) + 1 > block;
     const std::size_t tiles = static_cast<std::size_t>(area.tiles_x_) * static_cast<std::size_t>(area.tiles_y_);
     area.state_.assign(tiles, 0);
     // What is not needed is not written, and whatever is in it is not read.
@@ -115,6 +116,13 @@ void SearchArea::fill(const ScanGrid& grid, int tile_x, int tile_y) {
     }
 }
 
+void SearchArea::bound_rows(int tile_x, int tile_y) {
+    const auto row = [&](std::vector<std::uint8_t>& layer, int y) { return &layer[index(tile_y * side + y, stride_, tile_x * side)]; };
+    std::uint8_t best_2[(side + 2) * side];
+    for (int y = 0; y < side + 2; ++y) larger<side>(row(likelihood_, y), row(likelihood_, y + 1), best_2 + y * side);
+    for (int y = 0; y < side; ++y) larger<side>(best_2 + y * side, best_2 + (y + 2) * side, row(best_of_rows_, y));
+}
+
 void SearchArea::bound(int tile_x, int tile_y) {
     static_assert(rows == 4 && block == 16 && wide == 48);
     if (is_empty(tile_x, tile_y)) {
@@ -123,6 +131,7 @@ void SearchArea::bound(int tile_x, int tile_y) {
                 std::memset(&(*layer)[index(tile_y * side + y, stride_, tile_x * side)], 0, side);
         return;
     }
+    if (!has_blocks_) return bound_rows(tile_x, tile_y);
     const std::uint8_t* from = &likelihood_[index(tile_y * side, stride_, tile_x * side)];
     // Best of 2, 4, 8 and 16 rows; from the bottom to the top, since each looks at those above it only.
     std::uint8_t best[wide * wide];

@@ -19,6 +19,9 @@ class SearchArea {
     /// for a dense map. There is one area a thread, whose memory is used again.
     static SearchArea* around(const ScanGrid& grid, const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y);
 
+    /// Whether the places of a heading are more than one block: only then are there bounds of blocks.
+    bool has_blocks() const { return has_blocks_; }
+
     /// Where a cell is in the layers below; a place beside it is at + dx + dy * stride().
     std::int32_t at(CellIndex cell) const { return (cell.y - y0_) * stride_ + (cell.x - x0_); }
     std::int32_t stride() const { return stride_; }
@@ -36,10 +39,12 @@ class SearchArea {
     /// Whether the map has nothing in a tile, nor in those to the right and above it that its bounds look at.
     bool is_empty(int tile_x, int tile_y) const;
     void fill(const ScanGrid& grid, int tile_x, int tile_y);
+    void bound_rows(int tile_x, int tile_y);
     void bound(int tile_x, int tile_y);
 
     int x0_ = 0, y0_ = 0, tiles_x_ = 0, tiles_y_ = 0;  ///< corner, on a tile's corner, and size, one more tile to the right and above
     std::int32_t stride_ = 0;
+    bool has_blocks_ = false;
     static constexpr std::uint8_t needed = 1, known = 2;  ///< what a tile is: asked for by the search; in the map
     std::vector<std::uint8_t> state_;
     std::vector<std::uint8_t> likelihood_, best_of_rows_, best_of_block_;
