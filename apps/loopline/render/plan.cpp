@@ -99,9 +99,11 @@ void PointDensity::draw(const PointStyle& style, double point_px) {
     // A single point is 0.6 opaque where points are sparse, and less where many share a pixel.
     const double single = std::max(0.05, 0.6 * hit_pixels_ / hits_);
     const float per_point = static_cast<float>(-std::log(1 - single) * 2 * M_PI * sigma * sigma);
-    cv::Mat1f alpha;
-    cv::exp(-per_point * count_, alpha);
-    alpha = 1 - alpha;
+    // In place where nobody needs the counts any more: these images are what a picture's memory goes into.
+    cv::Mat1f alpha = style.by_height ? cv::Mat1f() : count_;
+    count_.convertTo(alpha, CV_32F, -per_point);
+    cv::exp(alpha, alpha);
+    cv::subtract(1, alpha, alpha);
     if (style.by_height) {
         const double span_m = std::max(1e-3, style.highest_m - style.lowest_m);
         blend(pixels_, alpha, [&](int x, int y) {
