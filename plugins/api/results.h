@@ -54,6 +54,7 @@ struct LoopDecision {
     double shift_m = 0, shift_rad = 0;       ///< misclosure: what the vehicle is moved by
     double sigma_m = 0, sigma_rad = 0;       ///< what was uncertain before
     bool accepted = false;
+    bool waits = false;  ///< not refused either: it counts once another match agrees
     std::string reason;
 };
 

@@ -28,6 +28,15 @@ mrpt::obs::CObservationRobotPose::Ptr pose_observation(const Pose2& T_map_base, 
     return observation;
 }
 
+std::vector<std::vector<Eigen::Vector2f>> points_of(const std::vector<grid_map::Frame>& frames) {
+    std::vector<std::vector<Eigen::Vector2f>> points_m(frames.size());
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        points_m[i].reserve(frames[i].points.size());
+        for (const grid_map::SurfacePoint& point : frames[i].points) points_m[i].push_back(point.p_base_m);
+    }
+    return points_m;
+}
+
 }  // namespace
 
 ModuleInfo GridSlamModule::info() const {
@@ -191,6 +200,7 @@ void GridSlamModule::finish(Results& results) {
     slam_->finish();
     lay_out_trajectory();
     report_loops(results);
+    if (slam_->corrections() > 0) results.frame_points_base_m = points_of(slam_->map().frames);
     auto& metrics = results.metrics;
     metrics["corrections"] = static_cast<std::int64_t>(slam_->corrections().size());
     metrics["map_frames"] = static_cast<std::int64_t>(slam_->map().size());

@@ -243,6 +243,53 @@ TEST(Report, tags_are_balanced) {
     EXPECT_GT(tags, 100);
 }
 
+TEST(Report, loops_and_corrections_in_their_order) {
+    const fs::path folder = empty_folder("loops");
+    write(folder / "metrics.json",
+          R"({"status": "done", "loops": [
+              {"stamp_s": 62.51, "old_stamp_s": 4.26, "way_m": 41.5, "score": 0.754, "rival_score": 0.25, "shift_m": 0.4215,
+               "shift_deg": -1.3, "decision": "accepted", "reason": "two matches <agree>"},
+              {"stamp_s": 70, "decision": "refused", "reason": "a rival"}, {"decision": "waits"}, 7]})");
+    fs::create_directories(folder / "snapshots");
+    SceneContent content;
+    for (const char* name : {"top.png", "correction_10.png", "correction_2.png"})
+        render_picture(content, View::top, {200, 150}, folder / "snapshots" / name);
+    write(folder / "snapshots/correction_3.png", "no picture");
+    write_report(folder);
+    const std::string page = file_text(folder / "report.html");
+    for (const char* part :
+         {"<h2>Loops</h2>", "<td>62.5</td><td>4.3</td><td>41.5</td>", "\u22121.30</td>", "accepted</span>",
+          "two matches &lt;agree&gt;", "refused</span>", "a rival", "waits</span>"})
+        EXPECT_NE(page.find(part), std::string::npos) << part;
+    const auto second = page.find("Correction 2: "), tenth = page.find("Correction 10: ");
+    ASSERT_NE(second, std::string::npos);
+    ASSERT_NE(tenth, std::string::npos);
+    EXPECT_LT(second, tenth);
+    EXPECT_GT(second, page.find("<h2>Loops</h2>"));
+    EXPECT_EQ(count_of(page, "data:image/png"), 3) << "each picture once";
+}
+
+TEST(Report, many_refused_loops_are_folded_away) {
+    const fs::path folder = empty_folder("many_loops");
+    std::string loops;
+    for (int i = 0; i < 30; ++i)
+        loops += std::string(i > 0 ? "," : "") + R"({"stamp_s": 1, "decision": ")" +
+                 (i % 10 == 0 ? "accepted" : "refused") + "\"}";
+    write(folder / "metrics.json", R"({"loops": [)" + loops + "]}");
+    write_report(folder);
+    const std::string page = file_text(folder / "report.html");
+    const auto fold = page.find("<details><summary>27 more places");
+    ASSERT_NE(fold, std::string::npos);
+    EXPECT_EQ(count_of(page.substr(0, fold), "accepted</span>"), 3);
+    EXPECT_EQ(count_of(page.substr(fold), "refused</span>"), 27);
+}
+
+TEST(Report, without_loops_there_is_no_section) {
+    const fs::path folder = whole_run();
+    write_report(folder);
+    EXPECT_EQ(count_of(file_text(folder / "report.html"), "<h2>Loops</h2>"), 0);
+}
+
 TEST(Report, an_empty_or_damaged_run_still_gets_a_page) {
     const fs::path empty = empty_folder("empty");
     write_report(empty);

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "output/g2o.h"
 #include "output/line_map_csv.h"
 #include "output/line_map_geojson.h"
 #include "output/map_server_grid.h"
@@ -104,6 +105,9 @@ void write_map_files(const fs::path& folder, const Results& results, FileList& l
         write_mrpt_object(folder / (stem + ".simplemap"), map);
         list.add(stem + ".simplemap", left_out, "keyframes");
     }
+    if (results.pose_graph && !results.pose_graph->poses.empty())
+        list.add("pose_graph.g2o", write_g2o(folder / "pose_graph.g2o", *results.pose_graph),
+                 "poses and constraints");
 }
 
 void write_odometry_points(const fs::path& folder, const Results& odometry_results, FileList& list) {

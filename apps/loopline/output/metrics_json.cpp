@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "output/line_map_csv.h"
 #include "output/output_file.h"
@@ -72,12 +73,43 @@ void set_module_figures(ordered_json& json, const std::map<std::string, MetricVa
     }
 }
 
+const char* decision_text(const LoopDecision& loop) {
+    if (loop.accepted) return "accepted";
+    return loop.waits ? "waits" : "refused";
+}
+
+/// Divided, not multiplied, so that 381.391739 is not written as 381.39173900000003.
+double seconds_since(StampNs first_stamp_ns, StampNs stamp_ns) {
+    return static_cast<double>(stamp_ns - first_stamp_ns) / 1e9;
+}
+
+ordered_json loop_json(const LoopDecision& loop, StampNs first_stamp_ns) {
+    constexpr double degrees = 180 / M_PI;
+    ordered_json json;
+    json["stamp_s"] = seconds_since(first_stamp_ns, loop.stamp_ns);
+    json["old_stamp_s"] = seconds_since(first_stamp_ns, loop.old_stamp_ns);
+    set_finite(json, "way_m", loop.way_m);
+    set_finite(json, "score", loop.score);
+    set_finite(json, "rival_score", loop.rival_score);
+    set_finite(json, "shift_m", loop.shift_m);
+    set_finite(json, "shift_deg", loop.shift_rad * degrees);
+    set_finite(json, "sigma_m", loop.sigma_m);
+    set_finite(json, "sigma_deg", loop.sigma_rad * degrees);
+    json["decision"] = decision_text(loop);
+    json["reason"] = loop.reason;
+    return json;
+}
+
 }  // namespace
 
 ordered_json metrics_json(const RunRecord& record) {
     ordered_json json;
     set_host_figures(json, record);
     set_module_figures(json, record.results.metrics);
+    ordered_json loops = ordered_json::array();
+    for (const LoopDecision& loop : record.results.loops)
+        loops.push_back(loop_json(loop, record.first_stamp_ns));
+    if (!loops.empty()) json["loops"] = std::move(loops);
     ordered_json modules = ordered_json::object();
     for (const auto& [name, timing] : record.modules) {
         auto& module = modules[name];

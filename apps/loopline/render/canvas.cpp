@@ -116,6 +116,21 @@ void Canvas::polygon(const Pixels& corners, Colour colour) {
                  fraction_bits);
 }
 
+void Canvas::arrow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width_px, Colour colour) {
+    const double length_px = (to - from).norm();
+    if (!(length_px > 0) || !is_near(from) || !is_near(to)) return;
+    const Eigen::Vector2d along = (to - from) / length_px, across(-along.y(), along.x());
+    const double head_px = std::min(length_px, 4.5 * width_px);
+    const auto draw = [&](double border_px, Colour ink) {
+        const Eigen::Vector2d tip = to + 2 * border_px * along, base = to - (head_px + border_px) * along;
+        const Eigen::Vector2d half = (0.42 * head_px + 1.6 * border_px) * across;
+        polyline({from, to - 0.7 * head_px * along}, width_px + 2 * border_px, ink);
+        polygon({tip, base + half, base - half}, ink);
+    };
+    draw(0.5 * width_px, palette::paper);
+    draw(0, colour);
+}
+
 void Canvas::disc(const Eigen::Vector2d& centre, double radius_px, Colour colour) {
     if (!is_near(centre)) return;
     const int radius = static_cast<int>(std::lround(radius_px * supersampling * (1 << fraction_bits)));

@@ -37,6 +37,8 @@ class Canvas {
     /// Dashes and gaps of the given length, measured along the line.
     void dashed_polyline(const Pixels& points, double width_px, double dash_px, Colour colour);
     void polygon(const Pixels& corners, Colour colour);
+    /// With a light border and a head that is no longer than the arrow.
+    void arrow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width_px, Colour colour);
     void disc(const Eigen::Vector2d& centre, double radius_px, Colour colour);
     void fill(const Box& box, Colour colour, double opacity = 1);
     void outline(const Box& box, double width_px, Colour colour);

@@ -50,7 +50,7 @@ Figure::Figure(PictureSize size, const Text& text)
         const double bar_width = std::clamp(0.13 * width, 4 * body_px_, 10 * body_px_);
         const double scale_width = bar_width + text_width_px(" 500 km" + scale_note_, body_px_);
         // The legend stands beside the scale bar, or below it where that takes fewer rows.
-        double legend_left = margin + scale_width + 1.5 * body_px_;
+        double legend_left = margin + (text.scale_in_titles ? 0 : scale_width + 1.5 * body_px_);
         std::size_t rows =
             std::max<std::size_t>(1, legend_rows(text.legend, width - margin - legend_left).size());
         const bool below = 1 + legend_rows(text.legend, inner).size() < rows;
@@ -61,6 +61,7 @@ Figure::Figure(PictureSize size, const Text& text)
         const double strip = line_px_ * static_cast<double>(rows);
         if (strip < 0.4 * height) {
             bottom -= strip;
+            has_labels_ = true;
             scale_box_ = {margin, bottom, bar_width, line_px_};
             place_legend(text.legend, legend_left, width - margin, bottom + (below ? line_px_ : 0));
             bottom -= 0.5 * body_px_;
@@ -72,21 +73,22 @@ Figure::Figure(PictureSize size, const Text& text)
     const double for_panels = inner - (with_bar ? colour_bar_ems * body_px_ : 0);
     const std::size_t count = std::max<std::size_t>(1, text.panel_titles.size());
     const bool stacked = count > 1 && height > 1.15 * width;
+    const std::size_t columns = text.columns > 0 ? std::min(text.columns, count) : stacked ? 1 : count;
+    const std::size_t rows = (count + columns - 1) / columns;
     const double gap = count > 1 ? 1.2 * body_px_ : 0;
     for (std::size_t i = 0; i < count; ++i) {
-        Box cell{margin, top, for_panels, bottom - top};
-        if (stacked) {
-            cell.height = (cell.height - gap) / count;
-            cell.y += i * (cell.height + gap);
-        } else {
-            cell.width = (cell.width - label_left - gap * (count - 1)) / count;
-            cell.x += label_left + i * (cell.width + gap);
-        }
-        if (stacked) cell.x += label_left, cell.width -= label_left;
+        Box cell;
+        cell.width = (for_panels - label_left - gap * (columns - 1)) / columns;
+        cell.height = (bottom - top - gap * (rows - 1)) / rows;
+        cell.x = margin + label_left + (i % columns) * (cell.width + gap);
+        cell.y = top + (i / columns) * (cell.height + gap);
         const std::string title =
             i < text.panel_titles.size() && !tiny ? text.panel_titles[i] : std::string();
+        title_boxes_.push_back({cell.x, cell.y, cell.width, title.empty() ? 0 : 1.2 * body_px_});
         if (!title.empty()) {
-            canvas_.text(fitting_text(title, cell.width, body_px_, Weight::bold), cell.x,
+            const double for_scale =
+                text.scale_in_titles ? std::min(0.3 * cell.width, 8 * body_px_) + 5 * body_px_ : 0;
+            canvas_.text(fitting_text(title, cell.width - for_scale, body_px_, Weight::bold), cell.x,
                          cell.y + 0.9 * body_px_, body_px_, palette::ink, Weight::bold);
             cell.y += 1.5 * body_px_;
             cell.height -= 1.5 * body_px_;
@@ -193,6 +195,9 @@ void Figure::swatch(const LegendEntry& entry, const Box& box) {
             canvas_.outline({c.x() - 0.8 * body_px_, c.y() - 0.4 * body_px_, 1.6 * body_px_, 0.8 * body_px_},
                             0.5, palette::frame);
             break;
+        case Mark::arrow:
+            canvas_.arrow(bar.front(), bar.back(), 0.16 * body_px_, entry.colour);
+            break;
         default:
             mark(entry.mark, c, 0.42 * body_px_);
     }
@@ -242,7 +247,7 @@ void Figure::graticule(const MapWindow& window) {
 }
 
 void Figure::tick_labels(const MapWindow& window, bool left_labels) {
-    if (scale_box_.width == 0) return;
+    if (!has_labels_) return;
     double step = 1;
     const int most = most_ticks(std::max(window.box.width, window.box.height), small_px_);
     ticks(0, std::max(window.box.width, window.box.height) / window.px_per_m, most, step);
@@ -266,9 +271,25 @@ void Figure::tick_labels(const MapWindow& window, bool left_labels) {
 }
 
 void Figure::scale_bar(double px_per_m) {
-    if (scale_box_.width == 0 || !(px_per_m > 0)) return;
-    const double length_m = round_number_below(scale_box_.width / px_per_m);
-    const double length_px = length_m * px_per_m, y = scale_box_.centre().y(), x = scale_box_.x;
+    draw_scale_bar(px_per_m, scale_box_);
+}
+
+void Figure::scale_bar(double px_per_m, std::size_t panel) {
+    const Box& title = title_boxes_[panel];
+    // An even height at a whole pixel keeps the bar crisp.
+    Box box{0, std::round(title.y), std::min(0.3 * title.width, 8 * body_px_),
+            2 * std::round(title.height / 2)};
+    if (!has_labels_ || title.height == 0 || !(px_per_m > 0)) return;
+    const double length_m = round_number_below(box.width / px_per_m);
+    box.x = title.right() - length_m * px_per_m - 0.45 * body_px_ -
+            text_width_px(length_text(length_m), body_px_);
+    draw_scale_bar(px_per_m, box);
+}
+
+void Figure::draw_scale_bar(double px_per_m, const Box& box) {
+    if (box.width == 0 || !(px_per_m > 0)) return;
+    const double length_m = round_number_below(box.width / px_per_m);
+    const double length_px = length_m * px_per_m, y = box.centre().y(), x = box.x;
     const double end_px = 0.28 * body_px_, thick_px = std::max(1.0, 0.12 * body_px_);
     canvas_.fill({x, y - thick_px / 2, length_px, thick_px}, palette::ink);
     canvas_.fill({x, y - end_px, thick_px, 2 * end_px}, palette::ink);

@@ -11,7 +11,7 @@
 
 namespace loopline {
 
-enum class Mark { line, dashed_line, wall, points, start, end, dead_reckoning_end, heights, occupied };
+enum class Mark { line, dashed_line, wall, points, start, end, dead_reckoning_end, heights, occupied, arrow };
 
 struct LegendEntry {
     Mark mark;
@@ -49,6 +49,9 @@ class Figure {
             panel_titles;        ///< one for each panel; a single empty one for an untitled panel
         std::string scale_note;  ///< where the scale bar holds, empty if everywhere
         bool axes = false;       ///< room for tick labels
+        std::size_t columns =
+            0;  ///< of panels, row by row; 0: all side by side, or one above the other where it is upright
+        bool scale_in_titles = false;  ///< a scale bar at the end of panels' titles, where scales differ
         std::optional<ColourBar> colour_bar{};
     };
 
@@ -65,6 +68,8 @@ class Figure {
     void tick_labels(const MapWindow& window, bool left_labels);
     /// A bar of round length, at the place kept for it.
     void scale_bar(double px_per_m);
+    /// The same at the end of a panel's title.
+    void scale_bar(double px_per_m, std::size_t panel);
     /// A sentence in the middle of a panel.
     void message(std::size_t panel, const std::string& sentence);
     /// A mark of the map, also used in the legend: discs and squares for start and end.
@@ -79,11 +84,14 @@ class Figure {
     double entry_width_px(const LegendEntry& entry) const;
     void draw_colour_bar(const ColourBar& bar, double right);
     void swatch(const LegendEntry& entry, const Box& box);
+    void draw_scale_bar(double px_per_m, const Box& box);
 
     Canvas canvas_;
     double body_px_, small_px_, line_px_;
     std::string scale_note_;
+    bool has_labels_ = false;  ///< large enough for ticks and scale
     std::vector<Box> panels_;
+    std::vector<Box> title_boxes_;
     Box scale_box_;
 };
 

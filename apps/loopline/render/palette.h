@@ -25,6 +25,8 @@ inline constexpr Colour start{0, 158, 115};           // bluish green
 inline constexpr Colour end{213, 94, 0};              // vermilion
 inline constexpr Colour wall{29, 36, 44};
 inline constexpr Colour scan_point{96, 125, 150};
+inline constexpr Colour late_point = end;
+inline constexpr Colour reverse{204, 121, 167};  // reddish purple
 
 inline constexpr Colour grid_free{243, 246, 249};
 inline constexpr Colour grid_occupied{176, 186, 197};

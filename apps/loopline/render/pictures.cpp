@@ -4,6 +4,7 @@
 
 #include "commands/command.h"
 #include "output/output_file.h"
+#include "render/picture_file.h"
 #include "render/plan_views.h"
 #include "render/render.h"
 #include "render/spatial_scene.h"
@@ -11,6 +12,12 @@
 #include "render/survey_views.h"
 
 namespace loopline {
+
+void write_png(const cv::Mat& picture, const std::filesystem::path& file) {
+    std::vector<unsigned char> bytes;
+    cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 7});
+    write_whole_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
 
 void render_picture(const SceneContent& content, View view, PictureSize size,
                     const std::filesystem::path& png) {
@@ -35,9 +42,7 @@ void render_picture(const SceneContent& content, View view, PictureSize size,
             picture = draw_survey_axonometric(content, size);
             break;
     }
-    std::vector<unsigned char> bytes;
-    cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 7});
-    write_whole_file(png, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    write_png(picture, png);
 }
 
 std::vector<std::filesystem::path> write_snapshots(const SceneContent& content,

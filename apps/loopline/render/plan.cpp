@@ -73,42 +73,54 @@ void draw_grid(Canvas& canvas, const MapWindow& window, const mrpt::maps::COccup
     blend(pixels, alpha, [](int, int) { return palette::grid_occupied; });
 }
 
-void draw_points(Canvas& canvas, const MapWindow& window, const std::vector<Eigen::Vector3f>& points_m,
-                 const PointStyle& style, double point_px) {
-    cv::Mat pixels = canvas.drawn_pixels(window.box);
-    if (pixels.empty() || points_m.empty()) return;
-    cv::Mat1f count = cv::Mat1f::zeros(pixels.size()),
-              height = cv::Mat1f::zeros(style.by_height ? pixels.size() : cv::Size(1, 1));
-    double hits = 0, hit_pixels = 0;
-    for (const auto& p : points_m) {
-        const double x = (p.x() - window.left_m()) * window.px_per_m * S,
-                     y = (window.top_m() - p.y()) * window.px_per_m * S;
-        if (!(x >= 0 && y >= 0 && x < pixels.cols && y < pixels.rows) || !std::isfinite(p.z())) continue;
-        float& n = count(static_cast<int>(y), static_cast<int>(x));
-        hit_pixels += n == 0;
-        n += 1;
-        hits += 1;
-        if (style.by_height) height(static_cast<int>(y), static_cast<int>(x)) += p.z();
-    }
-    if (hits == 0) return;
+PointDensity::PointDensity(Canvas& canvas, const MapWindow& window, bool by_height)
+    : pixels_(canvas.drawn_pixels(window.box)),
+      count_(cv::Mat1f::zeros(pixels_.size())),
+      height_(cv::Mat1f::zeros(by_height ? pixels_.size() : cv::Size(1, 1))),
+      left_m_(window.left_m()),
+      top_m_(window.top_m()),
+      px_per_m_(window.px_per_m * S) {}
 
+void PointDensity::add(const Eigen::Vector3f& p) {
+    const double x = (p.x() - left_m_) * px_per_m_, y = (top_m_ - p.y()) * px_per_m_;
+    if (!(x >= 0 && y >= 0 && x < count_.cols && y < count_.rows) || !std::isfinite(p.z())) return;
+    float& n = count_(static_cast<int>(y), static_cast<int>(x));
+    hit_pixels_ += n == 0;
+    n += 1;
+    hits_ += 1;
+    if (height_.rows > 1) height_(static_cast<int>(y), static_cast<int>(x)) += p.z();
+}
+
+void PointDensity::draw(const PointStyle& style, double point_px) {
+    if (hits_ == 0) return;
     const double sigma = point_px * S / 2;
-    cv::GaussianBlur(count, count, {0, 0}, sigma);
-    if (style.by_height) cv::GaussianBlur(height, height, {0, 0}, sigma);
+    cv::GaussianBlur(count_, count_, {0, 0}, sigma);
+    if (style.by_height) cv::GaussianBlur(height_, height_, {0, 0}, sigma);
     // A single point is 0.6 opaque where points are sparse, and less where many share a pixel.
-    const double single = std::max(0.05, 0.6 * hit_pixels / hits);
+    const double single = std::max(0.05, 0.6 * hit_pixels_ / hits_);
     const float per_point = static_cast<float>(-std::log(1 - single) * 2 * M_PI * sigma * sigma);
-    cv::Mat1f alpha;
-    cv::exp(-per_point * count, alpha);
-    alpha = 1 - alpha;
+    // In place where nobody needs the counts any more: these images are what a picture's memory goes into.
+    cv::Mat1f alpha = style.by_height ? cv::Mat1f() : count_;
+    count_.convertTo(alpha, CV_32F, -per_point);
+    cv::exp(alpha, alpha);
+    cv::subtract(1, alpha, alpha);
     if (style.by_height) {
         const double span_m = std::max(1e-3, style.highest_m - style.lowest_m);
-        blend(pixels, alpha, [&](int x, int y) {
-            return palette::height((height(y, x) / std::max(count(y, x), 1e-12f) - style.lowest_m) / span_m);
+        blend(pixels_, alpha, [&](int x, int y) {
+            return palette::height((height_(y, x) / std::max(count_(y, x), 1e-12f) - style.lowest_m) /
+                                   span_m);
         });
     } else {
-        blend(pixels, alpha, [&](int, int) { return style.colour; });
+        blend(pixels_, alpha, [&](int, int) { return style.colour; });
     }
+}
+
+void draw_points(Canvas& canvas, const MapWindow& window, const std::vector<Eigen::Vector3f>& points_m,
+                 const PointStyle& style, double point_px) {
+    if (points_m.empty()) return;
+    PointDensity density(canvas, window, style.by_height);
+    for (const auto& p : points_m) density.add(p);
+    density.draw(style, point_px);
 }
 
 void draw_walls(Canvas& canvas, const MapWindow& window, const LineMap& lines, double width_px) {

@@ -26,6 +26,20 @@ struct PointStyle {
 
 /// Points as a density: every point counts, none of three million hides what is under it, and a single one is
 /// still seen.
+class PointDensity {
+ public:
+    PointDensity(Canvas& canvas, const MapWindow& window, bool by_height);
+
+    void add(const Eigen::Vector3f& p_map);
+    void draw(const PointStyle& style, double point_px);
+
+ private:
+    cv::Mat pixels_;
+    cv::Mat1f count_, height_;
+    double left_m_, top_m_, px_per_m_;  ///< of the drawn pixels
+    double hits_ = 0, hit_pixels_ = 0;
+};
+
 void draw_points(Canvas& canvas, const MapWindow& window, const std::vector<Eigen::Vector3f>& points_m,
                  const PointStyle& style, double point_px);
 

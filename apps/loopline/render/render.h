@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "api/results.h"
 #include "render/picture_size.h"
 #include "render/scene_content.h"
 
@@ -29,6 +30,13 @@ void render_picture(const SceneContent& content, View view, PictureSize size,
 /// survey_top and survey_axonometric), in a fixed order; returns the files.
 std::vector<std::filesystem::path> write_snapshots(const SceneContent& content,
                                                    const std::filesystem::path& folder);
+
+/// correction_N.png of each correction of the path, N from 1, or of those with the largest misclosures;
+/// returns the files.
+std::vector<std::filesystem::path> write_correction_pictures(const Results& results, StampNs first_stamp_ns,
+                                                             const std::string& run_title,
+                                                             const std::filesystem::path& folder);
+inline constexpr std::size_t most_correction_pictures = 12;
 
 /// MRPT's .3Dscene of the same content.
 void write_3d_scene(const SceneContent& content, const std::filesystem::path& file);

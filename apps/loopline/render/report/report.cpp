@@ -28,7 +28,7 @@ void write_report(const std::filesystem::path& run_directory) {
         html::escaped(run_name(run)) + " \u00b7 Loopline</title>\n<style>" + report_style +
         "</style>\n</head>\n<body>\n<main>\n";
     page += header_section(run) + alerts_section(run) + figures_section(run) + feature_points_section(run) +
-            pictures_section(run) + plots_section(run);
+            pictures_section(run) + loops_section(run) + plots_section(run);
     page += modules_section(run) + inputs_section(run) + config_section(run) + files_section(run) +
             footer_section(run);
     page += "</main>\n</body>\n</html>\n";

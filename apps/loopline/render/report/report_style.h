@@ -35,6 +35,8 @@ figure img { display: block; width: 100%; height: auto; background: #fff; }
 figcaption { padding: 8px 14px; font-size: .9rem; color: var(--quiet); border-top: 1px solid var(--rule); }
 .pictures, .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 430px), 1fr)); gap: 16px; align-items: start; }
 .pictures figure:first-child { grid-column: 1 / -1; }
+.corrections { margin-top: 16px; } .pictures.corrections figure:first-child { grid-column: auto; }
+td .badge { margin-left: 0; }
 .plots figure { padding: 12px 12px 0; } .plots figcaption { border: 0; padding: 2px 4px 12px; }
 .plots.three { grid-template-columns: repeat(auto-fit, minmax(min(100%, 310px), 1fr)); margin-top: 16px; }
 .stack { display: grid; gap: 16px; }

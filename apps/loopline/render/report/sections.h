@@ -17,6 +17,9 @@ std::string figures_section(const RunFiles& run);
 std::string feature_points_section(const RunFiles& run);
 /// The snapshots, embedded.
 std::string pictures_section(const RunFiles& run);
+/// Places where the path was thought to meet itself, and pictures of the corrections; only of a run that has
+/// any.
+std::string loops_section(const RunFiles& run);
 /// Trajectory, standard deviations over time, difference to dead reckoning over distance.
 std::string plots_section(const RunFiles& run);
 std::string modules_section(const RunFiles& run);

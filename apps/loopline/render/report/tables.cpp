@@ -1,13 +1,11 @@
 /// Pictures, and the lists of modules, inputs and files.
 #include <algorithm>
-#include <cstring>
-#include <fstream>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "render/report/embedded_picture.h"
 #include "render/report/html.h"
 #include "render/report/sections.h"
+#include "render/report/table_cells.h"
 
 namespace loopline {
 namespace {
@@ -15,38 +13,6 @@ namespace {
 using html::escaped;
 
 constexpr std::size_t most_bytes_per_picture = 500'000;  // keeps the page well under 3 MB
-
-bool ends_with(const std::string& text, const char* end) {
-    const std::size_t length = std::strlen(end);
-    return text.size() >= length && text.compare(text.size() - length, length, end) == 0;
-}
-
-struct EmbeddedPicture {
-    std::string data_url;
-    int width_px = 0, height_px = 0;
-};
-
-/// The PNG itself, or where it is large, as dense clouds of points are, a JPEG of it, made smaller until it
-/// fits.
-EmbeddedPicture embedded(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    const std::string png(std::istreambuf_iterator<char>(in), {});
-    cv::Mat picture = cv::imdecode(
-        cv::Mat(1, static_cast<int>(png.size()), CV_8UC1, const_cast<char*>(png.data())), cv::IMREAD_COLOR);
-    if (png.empty() || picture.empty()) return {};
-    const int width_px = picture.cols, height_px = picture.rows;
-    if (png.size() <= most_bytes_per_picture)
-        return {"data:image/png;base64," + html::base64(png), width_px, height_px};
-    std::vector<unsigned char> jpeg;
-    for (;;) {
-        cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, 88});
-        if (jpeg.size() <= most_bytes_per_picture || picture.cols < 400) break;
-        cv::resize(picture, picture, {}, 0.75, 0.75, cv::INTER_AREA);
-    }
-    return {
-        "data:image/jpeg;base64," + html::base64({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}),
-        width_px, height_px};
-}
 
 std::string caption_of(const std::string& stem) {
     if (stem == "top") return "The map from above";
@@ -62,22 +28,8 @@ std::string caption_of(const std::string& stem) {
 }
 
 std::string figure_of(const RunFiles& run, const std::string& path) {
-    const EmbeddedPicture picture = embedded(run.folder / path);
-    if (picture.data_url.empty()) return {};
-    const std::string caption = escaped(caption_of(std::filesystem::path(path).stem().string()));
-    return "<figure><a href=\"" + html::relative_link(path) + "\"><img alt=\"" + caption + "\" width=\"" +
-           std::to_string(picture.width_px) + "\" height=\"" + std::to_string(picture.height_px) +
-           "\" src=\"" + picture.data_url + "\"></a><figcaption>" + caption + "</figcaption></figure>\n";
-}
-
-double number_at(const nlohmann::ordered_json& object, const char* key) {
-    const auto found = object.find(key);
-    return found != object.end() && found->is_number() ? found->get<double>() : 0;
-}
-
-std::string cell(const std::string& text, const char* css_class = "") {
-    return std::string("<td") + (*css_class ? std::string(" class=\"") + css_class + "\"" : "") + ">" + text +
-           "</td>";
+    return picture_figure(run.folder, path, caption_of(std::filesystem::path(path).stem().string()),
+                          most_bytes_per_picture);
 }
 
 }  // namespace
@@ -85,7 +37,7 @@ std::string cell(const std::string& text, const char* css_class = "") {
 std::string pictures_section(const RunFiles& run) {
     std::vector<std::string> paths;
     for (const auto& file : run.files)
-        if (file.path.rfind("snapshots/", 0) == 0 && ends_with(file.path, ".png")) paths.push_back(file.path);
+        if (is_snapshot(file.path) && !correction_number(file.path)) paths.push_back(file.path);
     const auto rank = [](const std::string& path) {
         const char* order[] = {"snapshots/top.png", "snapshots/before_after.png", "snapshots/axonometric.png",
                                "snapshots/survey_top.png", "snapshots/survey_axonometric.png"};
