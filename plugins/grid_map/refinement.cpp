@@ -42,7 +42,8 @@ class NearbySurfaces {
             const Piece& q = pieces_[k];
             if (q.nx * nearest.nx + q.ny * nearest.ny < 0.8F) continue;
             // Falls like a Gaussian, and is quick to compute.
-            const float part = std::max(0.0F, 1 - (q.d2 - nearest.d2) * per_scale2 * 0.125F), w = q.weight * part * part * part * part;
+            const float part = std::max(0.0F, 1 - (q.d2 - nearest.d2) * per_scale2 * 0.125F),
+                        w = q.weight * part * part * part * part;
             sum_x += w * q.dx;
             sum_y += w * q.dy;
             sum_nx += w * q.nx;
@@ -76,21 +77,24 @@ class GridSurfaces {
     Correspondence at(const Eigen::Vector2d& p_map_m, const Eigen::Vector2d& normal) const {
         const CellIndex cell = grid_.cell_of(p_map_m.x(), p_map_m.y());
         const auto px = static_cast<float>(p_map_m.x() / grid_.cell_m() - cell.x),
-                   py = static_cast<float>(p_map_m.y() / grid_.cell_m() - cell.y), nx = static_cast<float>(normal.x()),
-                   ny = static_cast<float>(normal.y());
+                   py = static_cast<float>(p_map_m.y() / grid_.cell_m() - cell.y),
+                   nx = static_cast<float>(normal.x()), ny = static_cast<float>(normal.y());
         NearbySurfaces nearby(reach_cells_ * reach_cells_);
         grid_.surfaces().visit_window(
-            cell.x - radius_, cell.y - radius_, cell.x + radius_, cell.y + radius_, [&](int x, int y, const Surface& s) {
+            cell.x - radius_, cell.y - radius_, cell.x + radius_, cell.y + radius_,
+            [&](int x, int y, const Surface& s) {
                 if (s.returns == 0) return;
                 const auto returns = static_cast<float>(s.returns), snx = static_cast<float>(s.sum_nx),
                            sny = static_cast<float>(s.sum_ny);
                 const float facing = nx * snx + ny * sny, length2 = snx * snx + sny * sny;
                 // None where normals cancel: at an edge, or where hardly a return knows its normal.
-                if (facing <= 0 || facing * facing < 0.5F * length2 || length2 < 0.09F * 1048576 * returns * returns) return;
+                if (facing <= 0 || facing * facing < 0.5F * length2 ||
+                    length2 < 0.09F * 1048576 * returns * returns)
+                    return;
                 const float per = 1 / (1024 * returns), per_length = 1 / std::sqrt(length2);
                 nearby.add(static_cast<float>(x - cell.x) + static_cast<float>(s.sum_x) * per - px,
-                           static_cast<float>(y - cell.y) + static_cast<float>(s.sum_y) * per - py, snx * per_length,
-                           sny * per_length, std::min(returns, 20.0F));
+                           static_cast<float>(y - cell.y) + static_cast<float>(s.sum_y) * per - py,
+                           snx * per_length, sny * per_length, std::min(returns, 20.0F));
             });
         return nearby.average(p_map_m, grid_.cell_m(), 1);
     }
@@ -104,7 +108,8 @@ class GridSurfaces {
 /// Surfaces of a few frames: one piece a return.
 class IndexedSurfaces {
  public:
-    IndexedSurfaces(const SurfaceIndex& index, double reach_m) : index_(index), reach2_m2_(static_cast<float>(reach_m * reach_m)) {}
+    IndexedSurfaces(const SurfaceIndex& index, double reach_m)
+        : index_(index), reach2_m2_(static_cast<float>(reach_m * reach_m)) {}
 
     Correspondence at(const Eigen::Vector2d& p_map_m, const Eigen::Vector2d& normal) const {
         const auto px = static_cast<float>(p_map_m.x()), py = static_cast<float>(p_map_m.y()),
@@ -112,7 +117,8 @@ class IndexedSurfaces {
         NearbySurfaces nearby(reach2_m2_);
         index_.near(p_map_m.x(), p_map_m.y(), [&](const SurfaceIndex::Point& q) {
             const float dx = q.x - px, dy = q.y - py;
-            if (dx * dx + dy * dy < reach2_m2_ && q.nx * nx + q.ny * ny > 0.7F) nearby.add(dx, dy, q.nx, q.ny, 1);
+            if (dx * dx + dy * dy < reach2_m2_ && q.nx * nx + q.ny * ny > 0.7F)
+                nearby.add(dx, dy, q.nx, q.ny, 1);
         });
         return nearby.average(p_map_m, 1, 0.05F);
     }
@@ -124,8 +130,9 @@ class IndexedSurfaces {
 
 struct NormalEquations {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-    /// The same by the map's normals on one side and the scan's own on the other. What noise turns the normals of a wall by
-    /// looks like information along it; both have such errors, but not the same ones, so that here they cancel.
+    /// The same by the map's normals on one side and the scan's own on the other. What noise turns the
+    /// normals of a wall by looks like information along it; both have such errors, but not the same ones, so
+    /// that here they cancel.
     Eigen::Matrix3d by_both_normals = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     double squares = 0;
@@ -134,16 +141,19 @@ struct NormalEquations {
 
 /// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p).
 template <class Surfaces>
-NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const std::vector<float>& worth, const Pose2& T,
-                          const RefinementSettings& settings) {
+NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const std::vector<float>& worth,
+                          const Pose2& T, const RefinementSettings& settings) {
     NormalEquations sums;
-    const double c = std::cos(T.phi_rad), s = std::sin(T.phi_rad), per_sigma2 = 1 / (settings.sigma_m * settings.sigma_m);
+    const double c = std::cos(T.phi_rad), s = std::sin(T.phi_rad),
+                 per_sigma2 = 1 / (settings.sigma_m * settings.sigma_m);
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
         const SurfacePoint& point = frame.points[i];
         if (!point.has_normal()) continue;
         ++sums.of;
-        const double px = point.p_base_m.x(), py = point.p_base_m.y(), nx = point.normal_base.x(), ny = point.normal_base.y();
-        const Eigen::Vector2d turned(c * px - s * py, s * px + c * py), normal(c * nx - s * ny, s * nx + c * ny);
+        const double px = point.p_base_m.x(), py = point.p_base_m.y(), nx = point.normal_base.x(),
+                     ny = point.normal_base.y();
+        const Eigen::Vector2d turned(c * px - s * py, s * px + c * py),
+            normal(c * nx - s * ny, s * nx + c * ny);
         const Eigen::Vector2d p_map(T.x_m + turned.x(), T.y_m + turned.y());
         const Correspondence surface = surfaces.at(p_map, normal);
         if (!surface.found) continue;
@@ -152,7 +162,8 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
         const double w = static_cast<double>(worth[i]) * per_sigma2 / (1 + e * e * per_sigma2);
         const Eigen::Vector3d j(surface.normal_map.x(), surface.normal_map.y(),
                                 -surface.normal_map.x() * turned.y() + surface.normal_map.y() * turned.x());
-        const Eigen::Vector3d of_scan(normal.x(), normal.y(), -normal.x() * turned.y() + normal.y() * turned.x());
+        const Eigen::Vector3d of_scan(normal.x(), normal.y(),
+                                      -normal.x() * turned.y() + normal.y() * turned.x());
         sums.information += w * j * j.transpose();
         sums.by_both_normals += w * j * of_scan.transpose();
         sums.gradient -= w * e * j;
@@ -162,20 +173,23 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
     return sums;
 }
 
-/// What each return is worth beside one at right angles to its wall: less where an error of the beam's angle moves it away
-/// from the wall, and less where returns are so close together along a wall that they err together.
+/// What each return is worth beside one at right angles to its wall: less where an error of the beam's angle
+/// moves it away from the wall, and less where returns are so close together along a wall that they err
+/// together.
 void worth_of_returns(const Frame& frame, const RefinementSettings& settings, std::vector<float>& worth) {
     const auto& points = frame.points;
     worth.assign(points.size(), 1);
     const auto per_sigma2 = static_cast<float>(1 / (settings.sigma_m * settings.sigma_m)),
                sigma_angle = static_cast<float>(settings.sigma_angle_rad),
-               per_correlation = static_cast<float>(settings.correlation_m > 0 ? 1 / settings.correlation_m : 1e9);
+               per_correlation =
+                   static_cast<float>(settings.correlation_m > 0 ? 1 / settings.correlation_m : 1e9);
     float before_m = -1;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Eigen::Vector2f beam = points[i].p_base_m - frame.p_base_sensor_m;
         const float range2 = beam.squaredNorm(), across = points[i].normal_base.dot(beam);
         const float sideways_m = sigma_angle * std::sqrt(std::max(0.0F, range2 - across * across));
-        const float after_m = i + 1 < points.size() ? (points[i + 1].p_base_m - points[i].p_base_m).norm() : -1;
+        const float after_m =
+            i + 1 < points.size() ? (points[i + 1].p_base_m - points[i].p_base_m).norm() : -1;
         const float spacing_m = before_m < 0 ? after_m : after_m < 0 ? before_m : (before_m + after_m) / 2;
         worth[i] = 1 / (1 + sideways_m * sideways_m * per_sigma2);
         if (spacing_m >= 0) worth[i] *= std::min(1.0F, spacing_m * per_correlation);
@@ -187,12 +201,14 @@ void worth_of_returns(const Frame& frame, const RefinementSettings& settings, st
 Eigen::Matrix3d without_noise_of_normals(const Eigen::Matrix3d& by_both_normals) {
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
     eigen.computeDirect(0.5 * (by_both_normals + by_both_normals.transpose()));
-    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
+           eigen.eigenvectors().transpose();
 }
 
 template <class Surfaces>
-ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map_start, const Pose2& T_map_prior,
-                const Eigen::Matrix3d& prior_information, const RefinementSettings& settings) {
+ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map_start,
+                const Pose2& T_map_prior, const Eigen::Matrix3d& prior_information,
+                const RefinementSettings& settings) {
     ScanFit result;
     result.T_map_base = T_map_start;
     thread_local std::vector<float> worth;
@@ -202,7 +218,8 @@ ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map
         Pose2& T = result.T_map_base;
         sums = linearise(surfaces, frame, worth, T, settings);
         if (i == 3 && sums.used < settings.give_up_fit * sums.of) break;
-        const Eigen::Vector3d off(T_map_prior.x_m - T.x_m, T_map_prior.y_m - T.y_m, wrap_to_pi(T_map_prior.phi_rad - T.phi_rad));
+        const Eigen::Vector3d off(T_map_prior.x_m - T.x_m, T_map_prior.y_m - T.y_m,
+                                  wrap_to_pi(T_map_prior.phi_rad - T.phi_rad));
         const Eigen::Matrix3d information = sums.information + prior_information;
         const Eigen::LDLT<Eigen::Matrix3d> solver(information + 1e-6 * Eigen::Matrix3d::Identity());
         const Eigen::Vector3d step = solver.solve(sums.gradient + prior_information * off);
@@ -227,12 +244,15 @@ ScanFit refined(const Surfaces& surfaces, const Frame& frame, const Pose2& T_map
 
 ScanFit refine(const ScanGrid& grid, const Frame& frame, const Pose2& T_map_start, const Pose2& T_map_prior,
                const Eigen::Matrix3d& prior_information, const RefinementSettings& settings) {
-    return refined(GridSurfaces(grid, settings.reach_m), frame, T_map_start, T_map_prior, prior_information, settings);
+    return refined(GridSurfaces(grid, settings.reach_m), frame, T_map_start, T_map_prior, prior_information,
+                   settings);
 }
 
-ScanFit refine(const SurfaceIndex& map, const Frame& frame, const Pose2& T_map_start, const Pose2& T_map_prior,
-               const Eigen::Matrix3d& prior_information, const RefinementSettings& settings) {
-    return refined(IndexedSurfaces(map, settings.reach_m), frame, T_map_start, T_map_prior, prior_information, settings);
+ScanFit refine(const SurfaceIndex& map, const Frame& frame, const Pose2& T_map_start,
+               const Pose2& T_map_prior, const Eigen::Matrix3d& prior_information,
+               const RefinementSettings& settings) {
+    return refined(IndexedSurfaces(map, settings.reach_m), frame, T_map_start, T_map_prior, prior_information,
+                   settings);
 }
 
 Degeneracy degeneracy(const ScanFit& fit, double mean_range_m, double sigma_limit_m) {

@@ -18,7 +18,8 @@ const std::array<std::uint8_t, kernel_side * kernel_side>& kernel() {
         for (int y = -kernel_radius; y <= kernel_radius; ++y)
             for (int x = -kernel_radius; x <= kernel_radius; ++x)
                 k[static_cast<std::size_t>((y + kernel_radius) * kernel_side + x + kernel_radius)] =
-                    static_cast<std::uint8_t>(std::lround(ScanGrid::full_likelihood * std::exp(-0.5 * (x * x + y * y))));
+                    static_cast<std::uint8_t>(
+                        std::lround(ScanGrid::full_likelihood * std::exp(-0.5 * (x * x + y * y))));
         return k;
     }();
     return values;
@@ -34,12 +35,15 @@ void ScanGrid::apply(const Frame& frame, const Pose2& T_map_base, int sign) {
     const double c = std::cos(T_map_base.phi_rad), s = std::sin(T_map_base.phi_rad);
     const Eigen::Vector2d origin_m = T_map_base * frame.p_base_sensor_m.cast<double>();
     for (const SurfacePoint& point : frame.points) {
-        const double px = point.p_base_m.x(), py = point.p_base_m.y(), nx = point.normal_base.x(), ny = point.normal_base.y();
+        const double px = point.p_base_m.x(), py = point.p_base_m.y(), nx = point.normal_base.x(),
+                     ny = point.normal_base.y();
         const Eigen::Vector2d p_map_m(T_map_base.x_m + c * px - s * py, T_map_base.y_m + s * px + c * py);
         const double u = p_map_m.x() / settings_.cell_m, v = p_map_m.y() / settings_.cell_m;
         const CellIndex cell{floor_to_int(u), floor_to_int(v)};
         Surface& surface = surfaces_.at(cell.x, cell.y);
-        const auto whole = [](double part) { return static_cast<std::int32_t>(std::lround(part * fraction)); };
+        const auto whole = [](double part) {
+            return static_cast<std::int32_t>(std::lround(part * fraction));
+        };
         const bool was_empty = surface.returns == 0;
         surface.returns += sign;
         surface.sum_x += sign * whole(u - cell.x);
@@ -58,7 +62,8 @@ void ScanGrid::add_pass(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to
     int x = floor_to_int(from.x()), y = floor_to_int(from.y());
     const int last_x = floor_to_int(to.x()), last_y = floor_to_int(to.y());
     const int step_x = way.x() > 0 ? 1 : -1, step_y = way.y() > 0 ? 1 : -1;
-    const double per_x = 1 / std::max(std::abs(way.x()), 1e-12), per_y = 1 / std::max(std::abs(way.y()), 1e-12);
+    const double per_x = 1 / std::max(std::abs(way.x()), 1e-12),
+                 per_y = 1 / std::max(std::abs(way.y()), 1e-12);
     double at_x = (step_x > 0 ? x + 1 - from.x() : from.x() - x) * per_x,
            at_y = (step_y > 0 ? y + 1 - from.y() : from.y() - y) * per_y;
     for (int left = std::abs(last_x - x) + std::abs(last_y - y); left > 0; --left) {
@@ -114,7 +119,8 @@ void ScanGrid::settle() {
                     std::uint8_t best = 0;
                     for (int dy = 0; dy < parts; ++dy)
                         for (int dx = 0; dx < parts; ++dx)
-                            best = std::max(best, likelihood_[h - 1].value(2 * x + dx * stride, 2 * y + dy * stride));
+                            best = std::max(
+                                best, likelihood_[h - 1].value(2 * x + dx * stride, 2 * y + dy * stride));
                     if (best != likelihood_[h].value(x, y)) likelihood_[h].at(x, y) = best;
                 }
     }
@@ -126,17 +132,19 @@ void ScanGrid::settle_tile(int tile_x, int tile_y) {
     constexpr int side = SparseArray<std::uint8_t>::tile_side;
     const int x0 = tile_x * side, y0 = tile_y * side;
     std::array<std::uint8_t, side * side> values{};
-    surfaces_.visit_window(
-        x0 - kernel_radius, y0 - kernel_radius, x0 + side - 1 + kernel_radius, y0 + side - 1 + kernel_radius,
-        [&](int x, int y, const Surface& surface) {
-            if (surface.returns == 0) return;
-            for (int cy = std::max(0, y - y0 - kernel_radius); cy <= std::min(side - 1, y - y0 + kernel_radius); ++cy)
-                for (int cx = std::max(0, x - x0 - kernel_radius); cx <= std::min(side - 1, x - x0 + kernel_radius); ++cx) {
-                    auto& value = values[static_cast<std::size_t>(cy * side + cx)];
-                    value = std::max(value, kernel_at(x0 + cx - x, y0 + cy - y));
-                }
-        });
-    for (int c = 0; c < side * side; ++c) likelihood_[0].at(x0 + c % side, y0 + c / side) = values[static_cast<std::size_t>(c)];
+    surfaces_.visit_window(x0 - kernel_radius, y0 - kernel_radius, x0 + side - 1 + kernel_radius,
+                           y0 + side - 1 + kernel_radius, [&](int x, int y, const Surface& surface) {
+                               if (surface.returns == 0) return;
+                               for (int cy = std::max(0, y - y0 - kernel_radius);
+                                    cy <= std::min(side - 1, y - y0 + kernel_radius); ++cy)
+                                   for (int cx = std::max(0, x - x0 - kernel_radius);
+                                        cx <= std::min(side - 1, x - x0 + kernel_radius); ++cx) {
+                                       auto& value = values[static_cast<std::size_t>(cy * side + cx)];
+                                       value = std::max(value, kernel_at(x0 + cx - x, y0 + cy - y));
+                                   }
+                           });
+    for (int c = 0; c < side * side; ++c)
+        likelihood_[0].at(x0 + c % side, y0 + c / side) = values[static_cast<std::size_t>(c)];
 }
 
 std::size_t ScanGrid::bytes() const {

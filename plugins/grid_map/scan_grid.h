@@ -1,5 +1,6 @@
-/// A map of cells from which scans can be taken out again (row B1 of the method: "the scan frames between epoch k-n and k
-/// are cleared"). All that a scan adds is whole numbers, so that taking it out leaves exactly the map that never had it.
+/// A map of cells from which scans can be taken out again (row B1 of the method: "the scan frames between
+/// epoch k-n and k are cleared"). All that a scan adds is whole numbers, so that taking it out leaves exactly
+/// the map that never had it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,8 @@ struct Surface {
     std::int32_t sum_x = 0, sum_y = 0;    ///< of their places within the cell, in 1/1024 of its edge
     std::int32_t sum_nx = 0, sum_ny = 0;  ///< of their normals, in 1/1024
     bool operator==(const Surface& o) const {
-        return returns == o.returns && sum_x == o.sum_x && sum_y == o.sum_y && sum_nx == o.sum_nx && sum_ny == o.sum_ny;
+        return returns == o.returns && sum_x == o.sum_x && sum_y == o.sum_y && sum_nx == o.sum_nx &&
+               sum_ny == o.sum_ny;
     }
 };
 
@@ -34,13 +36,14 @@ struct ScanGridSettings {
 /// Surfaces, passing beams, and the likelihood of a return for the search, each in its own layer.
 class ScanGrid {
  public:
-    static constexpr int levels = 6;          ///< of the likelihood: blocks of 1, 2, 4 .. 32 cells
+    static constexpr int levels = 6;             ///< of the likelihood: blocks of 1, 2, 4 .. 32 cells
     static constexpr int full_likelihood = 255;  ///< in a cell with a return
 
     explicit ScanGrid(const ScanGridSettings& settings) : settings_(settings) {}
 
     void insert(const Frame& frame, const Pose2& T_map_base) { apply(frame, T_map_base, +1); }
-    /// A frame that was inserted, at the very pose that it was inserted at. Call settle() after the last of a few.
+    /// A frame that was inserted, at the very pose that it was inserted at. Call settle() after the last of a
+    /// few.
     void remove(const Frame& frame, const Pose2& T_map_base) { apply(frame, T_map_base, -1); }
     /// Brings the likelihood up to date where returns were removed.
     void settle();
@@ -52,8 +55,9 @@ class ScanGrid {
     const SparseArray<Surface>& surfaces() const { return surfaces_; }
     const SparseArray<std::int32_t>& passes() const { return passes_; }
 
-    /// Level 0: how well a return in this cell fits the map, 255 if there is one, less nearby. Level h: the best of
-    /// level 0 over the cells x 2^h .. (x + 2) 2^h - 1, and y alike: a bound for 2^h x 2^h neighbouring places at once.
+    /// Level 0: how well a return in this cell fits the map, 255 if there is one, less nearby. Level h: the
+    /// best of level 0 over the cells x 2^h .. (x + 2) 2^h - 1, and y alike: a bound for 2^h x 2^h
+    /// neighbouring places at once.
     int likelihood(int level, int x, int y) const { return likelihood_[level].value(x, y); }
     const SparseArray<std::uint8_t>& likelihood_layer(int level) const { return likelihood_[level]; }
 

@@ -11,8 +11,8 @@
 namespace loopline::grid_map {
 namespace {
 
-/// What the distance from the window's centre costs, in the units of the likelihood: -log of the prior's density. A
-/// return counts for a tenth of its likelihood, since returns next to each other err together.
+/// What the distance from the window's centre costs, in the units of the likelihood: -log of the prior's
+/// density. A return counts for a tenth of its likelihood, since returns next to each other err together.
 class PriorCost {
  public:
     PriorCost(const ScanGrid& grid, const SearchWindow& window) {
@@ -20,7 +20,8 @@ class PriorCost {
         const auto costs = [](int to_each_side, double step, double sigma) {
             std::vector<int> c;
             for (int k = -to_each_side; k <= to_each_side; ++k)
-                c.push_back(static_cast<int>(std::lround(std::min(1e8, 0.5 * weight * std::pow(k * step / sigma, 2)))));
+                c.push_back(static_cast<int>(
+                    std::lround(std::min(1e8, 0.5 * weight * std::pow(k * step / sigma, 2)))));
             return c;
         };
         x_ = costs(window.cells_x, grid.cell_m(), window.sigma_x_m);
@@ -43,7 +44,8 @@ class PriorCost {
 };
 
 /// The cells of the points at the centre of the window, heading by heading.
-std::vector<std::vector<CellIndex>> turn(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
+std::vector<std::vector<CellIndex>> turn(const ScanGrid& grid,
+                                         const std::vector<Eigen::Vector2f>& points_base_m,
                                          const SearchWindow& window) {
     std::vector<std::vector<CellIndex>> all;
     all.reserve(static_cast<std::size_t>(2 * window.headings + 1));
@@ -54,23 +56,27 @@ std::vector<std::vector<CellIndex>> turn(const ScanGrid& grid, const std::vector
         std::vector<CellIndex> cells(points_base_m.size());
         for (std::size_t i = 0; i < cells.size(); ++i) {
             const double px = points_base_m[i].x(), py = points_base_m[i].y();
-            cells[i] = {ScanGrid::floor_to_int(x + c * px - s * py), ScanGrid::floor_to_int(y + s * px + c * py)};
+            cells[i] = {ScanGrid::floor_to_int(x + c * px - s * py),
+                        ScanGrid::floor_to_int(y + s * px + c * py)};
         }
         all.push_back(std::move(cells));
     }
     return all;
 }
 
-SearchResult result_at(const ScanGrid& grid, const SearchWindow& window, int heading, int dx, int dy, int score,
-                       int likelihood, std::size_t points) {
+SearchResult result_at(const ScanGrid& grid, const SearchWindow& window, int heading, int dx, int dy,
+                       int score, int likelihood, std::size_t points) {
     SearchResult result;
-    result.T_map_base = {window.T_map_center.x_m + dx * grid.cell_m(), window.T_map_center.y_m + dy * grid.cell_m(),
+    result.T_map_base = {window.T_map_center.x_m + dx * grid.cell_m(),
+                         window.T_map_center.y_m + dy * grid.cell_m(),
                          wrap_to_pi(window.T_map_center.phi_rad + heading * window.heading_step_rad)};
     result.dx_cells = dx;
     result.dy_cells = dy;
     result.heading = heading;
     result.score = score;
-    result.fit = points > 0 ? static_cast<double>(likelihood) / (ScanGrid::full_likelihood * static_cast<double>(points)) : 0;
+    result.fit = points > 0 ? static_cast<double>(likelihood) /
+                                  (ScanGrid::full_likelihood * static_cast<double>(points))
+                            : 0;
     return result;
 }
 
@@ -78,10 +84,10 @@ constexpr int lanes = SearchArea::block;  ///< places beside each other
 using Bytes = std::uint8_t __attribute__((vector_size(lanes)));
 using Words = std::uint16_t __attribute__((vector_size(2 * lanes)));
 
-/// What some points in a layer of a SearchArea say about `lanes` places beside each other. False, and the sums are not
-/// whole, as soon as none of the places can come to `enough`.
-bool sum_lanes(const std::uint8_t* layer, const std::vector<std::int32_t>& points, std::int32_t place, int enough,
-               std::array<int, lanes>& sums) {
+/// What some points in a layer of a SearchArea say about `lanes` places beside each other. False, and the
+/// sums are not whole, as soon as none of the places can come to `enough`.
+bool sum_lanes(const std::uint8_t* layer, const std::vector<std::int32_t>& points, std::int32_t place,
+               int enough, std::array<int, lanes>& sums) {
     constexpr std::size_t step = 16;  // their sum fits in a word
     sums.fill(0);
     for (std::size_t done = 0; done < points.size();) {
@@ -117,8 +123,8 @@ struct Node {
 /// Blocks of 16 x 16 places, of which the best is divided into 16 x 4, and these into single rows.
 class BranchAndBound {
  public:
-    BranchAndBound(const ScanGrid& grid, const SearchWindow& window, const std::vector<std::vector<CellIndex>>& turned,
-                   const SearchArea& area)
+    BranchAndBound(const ScanGrid& grid, const SearchWindow& window,
+                   const std::vector<std::vector<CellIndex>>& turned, const SearchArea& area)
         : grid_(grid), window_(window), prior_(grid, window), area_(area) {
         for (const auto& cells : turned) {
             auto& points = turned_.emplace_back();
@@ -131,34 +137,42 @@ class BranchAndBound {
         std::vector<Node> blocks;
         for (int heading = -window_.headings; heading <= window_.headings; ++heading)
             for (int dy = -window_.cells_y; dy <= window_.cells_y; dy += SearchArea::block)
-                for (int dx = -window_.cells_x; dx <= window_.cells_x; dx += lanes) blocks.push_back(block(heading, dx, dy));
-        std::sort(blocks.begin(), blocks.end(),
-                  [](const Node& a, const Node& b) { return a.bound != b.bound ? a.bound > b.bound : before(a, b); });
+                for (int dx = -window_.cells_x; dx <= window_.cells_x; dx += lanes)
+                    blocks.push_back(block(heading, dx, dy));
+        std::sort(blocks.begin(), blocks.end(), [](const Node& a, const Node& b) {
+            return a.bound != b.bound ? a.bound > b.bound : before(a, b);
+        });
         for (const Node& node : blocks)
             if (can_win(node) && !excluded(node, SearchArea::block)) explore_block(node);
         if (!found_) return std::nullopt;
-        return result_at(grid_, window_, best_.heading, best_.dx, best_.dy, best_.bound,
-                         best_.bound + prior_.heading(best_.heading) + prior_.x(best_.dx, 1) + prior_.y(best_.dy, 1),
-                         turned_.front().size());
+        return result_at(
+            grid_, window_, best_.heading, best_.dx, best_.dy, best_.bound,
+            best_.bound + prior_.heading(best_.heading) + prior_.x(best_.dx, 1) + prior_.y(best_.dy, 1),
+            turned_.front().size());
     }
 
  private:
-    const std::vector<std::int32_t>& points(int heading) const { return turned_[static_cast<std::size_t>(heading + window_.headings)]; }
+    const std::vector<std::int32_t>& points(int heading) const {
+        return turned_[static_cast<std::size_t>(heading + window_.headings)];
+    }
     std::int32_t place(int dx, int dy) const { return dx + dy * area_.stride(); }
 
     Node block(int heading, int dx, int dy) const {
         // The one block of a heading: the middle first, as what is searched for is likely near it.
-        if (!area_.has_blocks()) return {std::numeric_limits<int>::max() - std::abs(heading), heading, dx, dy};
+        if (!area_.has_blocks())
+            return {std::numeric_limits<int>::max() - std::abs(heading), heading, dx, dy};
         const std::uint8_t* best = area_.best_of_block() + place(dx, dy);
         int sum = 0;
         for (const std::int32_t point : points(heading)) sum += best[point];
-        return {sum - prior_.heading(heading) - prior_.x(dx, lanes) - prior_.y(dy, SearchArea::block), heading, dx, dy};
+        return {sum - prior_.heading(heading) - prior_.x(dx, lanes) - prior_.y(dy, SearchArea::block),
+                heading, dx, dy};
     }
 
     void explore_block(const Node& node) {
         std::array<Node, SearchArea::block / SearchArea::rows> parts;
         std::size_t count = 0;
-        for (int dy = node.dy; dy <= std::min(node.dy + SearchArea::block - 1, window_.cells_y); dy += SearchArea::rows) {
+        for (int dy = node.dy; dy <= std::min(node.dy + SearchArea::block - 1, window_.cells_y);
+             dy += SearchArea::rows) {
             Node part{0, node.heading, node.dx, dy};
             if (!bound_rows(part) || !can_win(part) || excluded(part, SearchArea::rows)) continue;
             std::size_t at = count++;
@@ -179,18 +193,22 @@ class BranchAndBound {
             return false;
         part.bound = std::numeric_limits<int>::min();
         for (int k = 0; k < lanes && part.dx + k <= window_.cells_x; ++k)
-            part.bound = std::max(part.bound, sums[static_cast<std::size_t>(k)] - cost - prior_.x(part.dx + k, 1));
+            part.bound =
+                std::max(part.bound, sums[static_cast<std::size_t>(k)] - cost - prior_.x(part.dx + k, 1));
         return true;
     }
 
     void explore_row(const Node& row) {
         const int cost = prior_.heading(row.heading) + prior_.y(row.dy, 1);
         std::array<int, lanes> sums;
-        if (!sum_lanes(area_.likelihood(), points(row.heading), place(row.dx, row.dy), enough() + cost + prior_.x(row.dx, lanes), sums))
+        if (!sum_lanes(area_.likelihood(), points(row.heading), place(row.dx, row.dy),
+                       enough() + cost + prior_.x(row.dx, lanes), sums))
             return;
         for (int k = 0; k < lanes && row.dx + k <= window_.cells_x; ++k) {
-            const Node one{sums[static_cast<std::size_t>(k)] - cost - prior_.x(row.dx + k, 1), row.heading, row.dx + k, row.dy};
-            if (!can_win(one) || (window_.without && window_.without->holds(one.heading, one.dx, one.dy))) continue;
+            const Node one{sums[static_cast<std::size_t>(k)] - cost - prior_.x(row.dx + k, 1), row.heading,
+                           row.dx + k, row.dy};
+            if (!can_win(one) || (window_.without && window_.without->holds(one.heading, one.dx, one.dy)))
+                continue;
             best_ = one;
             found_ = true;
         }
@@ -231,7 +249,8 @@ std::vector<Eigen::Vector2f> search_points(const Frame& frame, std::size_t count
     constexpr float longest_step_m = 0.5F;
     std::vector<float> way_m(frame.points.size(), 0);
     for (std::size_t i = 1; i < frame.points.size(); ++i)
-        way_m[i] = way_m[i - 1] + std::min(longest_step_m, (frame.points[i].p_base_m - frame.points[i - 1].p_base_m).norm());
+        way_m[i] = way_m[i - 1] +
+                   std::min(longest_step_m, (frame.points[i].p_base_m - frame.points[i - 1].p_base_m).norm());
     const float step_m = way_m.back() / static_cast<float>(count);
     float next_m = 0;
     for (std::size_t i = 0; i < frame.points.size(); ++i) {
@@ -242,7 +261,8 @@ std::vector<Eigen::Vector2f> search_points(const Frame& frame, std::size_t count
     return chosen;
 }
 
-std::optional<SearchResult> branch_and_bound(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
+std::optional<SearchResult> branch_and_bound(const ScanGrid& grid,
+                                             const std::vector<Eigen::Vector2f>& points_base_m,
                                              const SearchWindow& window) {
     const auto turned = turn(grid, spread(points_base_m), window);
     const SearchArea* area = SearchArea::around(grid, turned, window.cells_x, window.cells_y);
@@ -250,7 +270,8 @@ std::optional<SearchResult> branch_and_bound(const ScanGrid& grid, const std::ve
     return BranchAndBound(grid, window, turned, *area).run();
 }
 
-std::optional<SearchResult> exhaustive_search(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
+std::optional<SearchResult> exhaustive_search(const ScanGrid& grid,
+                                              const std::vector<Eigen::Vector2f>& points_base_m,
                                               const SearchWindow& window) {
     const PriorCost prior(grid, window);
     std::optional<SearchResult> best;

@@ -1,6 +1,6 @@
-/// Where in a window of positions and headings a scan fits the map best (rows B2, B6 and B7: "find the position and
-/// heading of the largest likelihood"). The patent goes through all of them; branch and bound finds the same optimum
-/// (Land and Doig 1960; on grids of likelihood: Olson 2009, Hess et al. 2016).
+/// Where in a window of positions and headings a scan fits the map best (rows B2, B6 and B7: "find the
+/// position and heading of the largest likelihood"). The patent goes through all of them; branch and bound
+/// finds the same optimum (Land and Doig 1960; on grids of likelihood: Olson 2009, Hess et al. 2016).
 #pragma once
 
 #include <cstdlib>
@@ -18,8 +18,10 @@ struct SearchWindow {
     int cells_x = 10, cells_y = 10;  ///< to both sides, along the axes of the map
     int headings = 40;               ///< to both sides
     double heading_step_rad = 0.25 * M_PI / 180;
-    /// Standard deviations of the centre, which draw the best place towards it; infinite: the likelihood alone.
-    double sigma_x_m = std::numeric_limits<double>::infinity(), sigma_y_m = std::numeric_limits<double>::infinity(),
+    /// Standard deviations of the centre, which draw the best place towards it; infinite: the likelihood
+    /// alone.
+    double sigma_x_m = std::numeric_limits<double>::infinity(),
+           sigma_y_m = std::numeric_limits<double>::infinity(),
            sigma_phi_rad = std::numeric_limits<double>::infinity();
     int min_score = 0;  ///< places below it are of no interest
     /// Places around one that is known already, to look for a rival of it.
@@ -27,7 +29,8 @@ struct SearchWindow {
         int dx_cells = 0, dy_cells = 0, heading = 0;
         int cells = 0, headings = 0;  ///< to both sides
         bool holds(int heading_index, int dx, int dy) const {
-            return std::abs(heading_index - heading) <= headings && std::abs(dx - dx_cells) <= cells && std::abs(dy - dy_cells) <= cells;
+            return std::abs(heading_index - heading) <= headings && std::abs(dx - dx_cells) <= cells &&
+                   std::abs(dy - dy_cells) <= cells;
         }
     };
     std::optional<Exclusion> without;
@@ -36,19 +39,23 @@ struct SearchWindow {
 struct SearchResult {
     Pose2 T_map_base;
     int dx_cells = 0, dy_cells = 0, heading = 0;  ///< from the centre
-    int score = 0;                                ///< sum of likelihoods, less what the centre's distance costs
-    double fit = 0;                               ///< mean likelihood of a return, 0 .. 1
+    int score = 0;   ///< sum of likelihoods, less what the centre's distance costs
+    double fit = 0;  ///< mean likelihood of a return, 0 .. 1
 };
 
-/// The points that are searched with: about `count`, evenly along the surfaces, so that a near wall does not outweigh.
+/// The points that are searched with: about `count`, evenly along the surfaces, so that a near wall does not
+/// outweigh.
 std::vector<Eigen::Vector2f> search_points(const Frame& frame, std::size_t count);
 
-/// The best place in the window; among equals that of the lowest heading, then y, then x. None if no place has min_score.
-std::optional<SearchResult> branch_and_bound(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
+/// The best place in the window; among equals that of the lowest heading, then y, then x. None if no place
+/// has min_score.
+std::optional<SearchResult> branch_and_bound(const ScanGrid& grid,
+                                             const std::vector<Eigen::Vector2f>& points_base_m,
                                              const SearchWindow& window);
 
 /// The same by trying them all: what branch_and_bound() is measured by.
-std::optional<SearchResult> exhaustive_search(const ScanGrid& grid, const std::vector<Eigen::Vector2f>& points_base_m,
+std::optional<SearchResult> exhaustive_search(const ScanGrid& grid,
+                                              const std::vector<Eigen::Vector2f>& points_base_m,
                                               const SearchWindow& window);
 
 }  // namespace loopline::grid_map

@@ -11,44 +11,51 @@ constexpr int bits = SparseArray<std::uint8_t>::tile_bits, side = SparseArray<st
 /// What the bounds of a tile look at: as far as a block reaches beyond it.
 constexpr int wide = side + SearchArea::block;
 
-std::size_t index(int y, int stride, int x) { return static_cast<std::size_t>(y) * static_cast<std::size_t>(stride) + static_cast<std::size_t>(x); }
+std::size_t index(int y, int stride, int x) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(stride) + static_cast<std::size_t>(x);
+}
 
-constexpr int lanes = 16;
-using Bytes = std::uint8_t __attribute__((vector_size(lanes)));
+constexpr int bytes_at_once = 16;
+using SomeBytes = std::uint8_t __attribute__((vector_size(bytes_at_once)));
 
 /// to[k] = max(a[k], b[k]).
 template <int count>
 void larger(const std::uint8_t* a, const std::uint8_t* b, std::uint8_t* to) {
-    static_assert(count % lanes == 0);
-    for (int k = 0; k < count; k += lanes) {
-        Bytes from_a, from_b;
-        std::memcpy(&from_a, a + k, lanes);
-        std::memcpy(&from_b, b + k, lanes);
+    static_assert(count % bytes_at_once == 0);
+    for (int k = 0; k < count; k += bytes_at_once) {
+        SomeBytes from_a, from_b;
+        std::memcpy(&from_a, a + k, bytes_at_once);
+        std::memcpy(&from_b, b + k, bytes_at_once);
         from_a = from_a > from_b ? from_a : from_b;
-        std::memcpy(to + k, &from_a, lanes);
+        std::memcpy(to + k, &from_a, bytes_at_once);
     }
 }
 
 }  // namespace
 
-SearchArea* SearchArea::around(const ScanGrid& grid, const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y) {
+SearchArea* SearchArea::around(const ScanGrid& grid, const std::vector<std::vector<CellIndex>>& cells,
+                               int cells_x, int cells_y) {
     thread_local SearchArea area;
     area.size(cells, cells_x, cells_y);
     if (!area.is_small()) return nullptr;
     area.stride_ = area.tiles_x_ * side;
     area.has_blocks_ = 2 * std::max(cells_x, cells_y) + 1 > block;
-    const std::size_t tiles = static_cast<std::size_t>(area.tiles_x_) * static_cast<std::size_t>(area.tiles_y_);
+    const std::size_t tiles =
+        static_cast<std::size_t>(area.tiles_x_) * static_cast<std::size_t>(area.tiles_y_);
     area.state_.assign(tiles, 0);
     // What is not needed is not written, and whatever is in it is not read.
     if (area.likelihood_.size() < tiles * side * side)
-        for (auto* layer : {&area.likelihood_, &area.best_of_rows_, &area.best_of_block_}) layer->resize(tiles * side * side);
+        for (auto* layer : {&area.likelihood_, &area.best_of_rows_, &area.best_of_block_})
+            layer->resize(tiles * side * side);
     area.mark(cells, cells_x, cells_y);
     const auto is_needed = [&](int tx, int ty) {
         return tx >= 0 && ty >= 0 && (area.state_[index(ty, area.tiles_x_, tx)] & SearchArea::needed) != 0;
     };
     for (int ty = 0; ty < area.tiles_y_; ++ty)
         for (int tx = 0; tx < area.tiles_x_; ++tx)
-            if (is_needed(tx, ty) || is_needed(tx - 1, ty) || is_needed(tx, ty - 1) || is_needed(tx - 1, ty - 1)) area.fill(grid, tx, ty);
+            if (is_needed(tx, ty) || is_needed(tx - 1, ty) || is_needed(tx, ty - 1) ||
+                is_needed(tx - 1, ty - 1))
+                area.fill(grid, tx, ty);
     for (int ty = 0; ty < area.tiles_y_; ++ty)
         for (int tx = 0; tx < area.tiles_x_; ++tx)
             if (is_needed(tx, ty)) area.bound(tx, ty);
@@ -56,7 +63,8 @@ SearchArea* SearchArea::around(const ScanGrid& grid, const std::vector<std::vect
 }
 
 void SearchArea::size(const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y) {
-    int left = std::numeric_limits<int>::max(), bottom = left, right = std::numeric_limits<int>::min(), top = right;
+    int left = std::numeric_limits<int>::max(), bottom = left, right = std::numeric_limits<int>::min(),
+        top = right;
     for (const auto& turned : cells)
         for (const CellIndex& cell : turned) {
             left = std::min(left, cell.x);
@@ -90,8 +98,10 @@ void SearchArea::mark(const std::vector<std::vector<CellIndex>>& cells, int cell
                 bottom = std::min(bottom, cells[k][i].y);
                 top = std::max(top, cells[k][i].y);
             }
-            for (int ty = (bottom - cells_y - y0_) >> bits; ty <= (top + cells_y + block - 1 - y0_) >> bits; ++ty)
-                for (int tx = (left - cells_x - x0_) >> bits; tx <= (right + cells_x + block - 1 - x0_) >> bits; ++tx)
+            for (int ty = (bottom - cells_y - y0_) >> bits; ty <= (top + cells_y + block - 1 - y0_) >> bits;
+                 ++ty)
+                for (int tx = (left - cells_x - x0_) >> bits;
+                     tx <= (right + cells_x + block - 1 - x0_) >> bits; ++tx)
                     state_[index(ty, tiles_x_, tx)] |= needed;
         }
     }
@@ -117,10 +127,14 @@ void SearchArea::fill(const ScanGrid& grid, int tile_x, int tile_y) {
 }
 
 void SearchArea::bound_rows(int tile_x, int tile_y) {
-    const auto row = [&](std::vector<std::uint8_t>& layer, int y) { return &layer[index(tile_y * side + y, stride_, tile_x * side)]; };
+    const auto row = [&](std::vector<std::uint8_t>& layer, int y) {
+        return &layer[index(tile_y * side + y, stride_, tile_x * side)];
+    };
     std::uint8_t best_2[(side + 2) * side];
-    for (int y = 0; y < side + 2; ++y) larger<side>(row(likelihood_, y), row(likelihood_, y + 1), best_2 + y * side);
-    for (int y = 0; y < side; ++y) larger<side>(best_2 + y * side, best_2 + (y + 2) * side, row(best_of_rows_, y));
+    for (int y = 0; y < side + 2; ++y)
+        larger<side>(row(likelihood_, y), row(likelihood_, y + 1), best_2 + y * side);
+    for (int y = 0; y < side; ++y)
+        larger<side>(best_2 + y * side, best_2 + (y + 2) * side, row(best_of_rows_, y));
 }
 
 void SearchArea::bound(int tile_x, int tile_y) {
@@ -136,12 +150,14 @@ void SearchArea::bound(int tile_x, int tile_y) {
     // Best of 2, 4, 8 and 16 rows; from the bottom to the top, since each looks at those above it only.
     std::uint8_t best[wide * wide];
     const auto row = [&best](int y) { return best + y * wide; };
-    for (int y = 0; y < wide - 1; ++y) larger<wide>(from + index(y, stride_, 0), from + index(y + 1, stride_, 0), row(y));
+    for (int y = 0; y < wide - 1; ++y)
+        larger<wide>(from + index(y, stride_, 0), from + index(y + 1, stride_, 0), row(y));
     for (int y = 0; y < wide - 3; ++y) larger<wide>(row(y), row(y + 2), row(y));
-    for (int y = 0; y < side; ++y) std::memcpy(&best_of_rows_[index(tile_y * side + y, stride_, tile_x * side)], row(y), side);
+    for (int y = 0; y < side; ++y)
+        std::memcpy(&best_of_rows_[index(tile_y * side + y, stride_, tile_x * side)], row(y), side);
     for (int y = 0; y < wide - 8; ++y) larger<wide>(row(y), row(y + 4), row(y));
     for (int y = 0; y < side; ++y) {
-        std::uint8_t beside[wide + lanes] = {};
+        std::uint8_t beside[wide + bytes_at_once] = {};
         larger<wide>(row(y), row(y + 8), beside);
         // The same for cells beside each other, from left to right.
         larger<wide>(beside, beside + 1, beside);

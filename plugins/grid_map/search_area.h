@@ -1,5 +1,5 @@
-/// The likelihood of a map where a search will ask for it, dense, with its best over blocks of cells: bounds for many
-/// places of a search at once.
+/// The likelihood of a map where a search will ask for it, dense, with its best over blocks of cells: bounds
+/// for many places of a search at once.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,14 @@ namespace loopline::grid_map {
 
 class SearchArea {
  public:
-    static constexpr int block = 16;  ///< places to a side that share one bound, and places in a row that are tried together
-    static constexpr int rows = 4;    ///< rows of a block that share one bound for each place in a row
+    static constexpr int block =
+        16;  ///< places to a side that share one bound, and places in a row that are tried together
+    static constexpr int rows = 4;  ///< rows of a block that share one bound for each place in a row
 
-    /// Places (x + dx, y + dy) with dx and dy up to these to both sides of each cell. None if the cells lie too far apart
-    /// for a dense map. There is one area a thread, whose memory is used again.
-    static SearchArea* around(const ScanGrid& grid, const std::vector<std::vector<CellIndex>>& cells, int cells_x, int cells_y);
+    /// Places (x + dx, y + dy) with dx and dy up to these to both sides of each cell. None if the cells lie
+    /// too far apart for a dense map. There is one area a thread, whose memory is used again.
+    static SearchArea* around(const ScanGrid& grid, const std::vector<std::vector<CellIndex>>& cells,
+                              int cells_x, int cells_y);
 
     /// Whether the places of a heading are more than one block: only then are there bounds of blocks.
     bool has_blocks() const { return has_blocks_; }
@@ -42,10 +44,12 @@ class SearchArea {
     void bound_rows(int tile_x, int tile_y);
     void bound(int tile_x, int tile_y);
 
-    int x0_ = 0, y0_ = 0, tiles_x_ = 0, tiles_y_ = 0;  ///< corner, on a tile's corner, and size, one more tile to the right and above
+    int x0_ = 0, y0_ = 0, tiles_x_ = 0,
+        tiles_y_ = 0;  ///< corner, on a tile's corner, and size, one more tile to the right and above
     std::int32_t stride_ = 0;
     bool has_blocks_ = false;
-    static constexpr std::uint8_t needed = 1, known = 2;  ///< what a tile is: asked for by the search; in the map
+    static constexpr std::uint8_t needed = 1,
+                                  known = 2;  ///< what a tile is: asked for by the search; in the map
     std::vector<std::uint8_t> state_;
     std::vector<std::uint8_t> likelihood_, best_of_rows_, best_of_block_;
 };

@@ -11,8 +11,9 @@
 
 namespace loopline::grid_map {
 
-/// Cells by whole numbers of any size, all zero (T{}) at first. Kept in tiles of 32 x 32 cells, and pointers to these in
-/// blocks of 64 x 64, so that reading costs two steps and memory grows with the area in use, not with its bounding box.
+/// Cells by whole numbers of any size, all zero (T{}) at first. Kept in tiles of 32 x 32 cells, and pointers
+/// to these in blocks of 64 x 64, so that reading costs two steps and memory grows with the area in use, not
+/// with its bounding box.
 template <class T>
 class SparseArray {
  public:
@@ -46,16 +47,18 @@ class SparseArray {
         return (*tile)[cell_in_tile(x, y)];
     }
 
-    /// visit(x, y, cell) for the cells from (x0, y0) to (x1, y1), both included, that are in a tile; row by row within
-    /// each tile.
+    /// visit(x, y, cell) for the cells from (x0, y0) to (x1, y1), both included, that are in a tile; row by
+    /// row within each tile.
     template <class Visit>
     void visit_window(int x0, int y0, int x1, int y1, const Visit& visit) const {
         for (int ty = y0 >> tile_bits; ty <= y1 >> tile_bits; ++ty)
             for (int tx = x0 >> tile_bits; tx <= x1 >> tile_bits; ++tx) {
                 const Tile* tile = find_tile(tx, ty);
                 if (tile == nullptr) continue;
-                const int left = std::max(x0, tx << tile_bits), right = std::min(x1, (tx << tile_bits) + tile_side - 1),
-                          bottom = std::max(y0, ty << tile_bits), top = std::min(y1, (ty << tile_bits) + tile_side - 1);
+                const int left = std::max(x0, tx << tile_bits),
+                          right = std::min(x1, (tx << tile_bits) + tile_side - 1),
+                          bottom = std::max(y0, ty << tile_bits),
+                          top = std::min(y1, (ty << tile_bits) + tile_side - 1);
                 for (int y = bottom; y <= top; ++y) {
                     const T* row = &(*tile)[cell_in_tile(left, y)];
                     for (int x = left; x <= right; ++x) visit(x, y, row[x - left]);
@@ -67,7 +70,8 @@ class SparseArray {
     /// Of tiles and blocks.
     std::size_t bytes() const { return tiles_ * sizeof(Tile) + blocks_.size() * sizeof(Block); }
 
-    /// visit(x, y, cell) for each cell of each tile, in an order that depends on nothing but which tiles there are.
+    /// visit(x, y, cell) for each cell of each tile, in an order that depends on nothing but which tiles
+    /// there are.
     template <class Visit>
     void for_each(const Visit& visit) const {
         for (const auto& [key, block] : blocks_)
@@ -133,7 +137,8 @@ class SparseArray {
 
     std::map<std::pair<int, int>, std::unique_ptr<Block>> blocks_;
     std::size_t tiles_ = 0;
-    mutable Block* latest_ = nullptr;  ///< the block that was asked for last, as nearly all questions in a row are for one
+    mutable Block* latest_ =
+        nullptr;  ///< the block that was asked for last, as nearly all questions in a row are for one
     mutable int latest_x_ = 0, latest_y_ = 0;
 };
 

@@ -10,12 +10,15 @@ void SurfaceIndex::clear() {
 }
 
 void SurfaceIndex::add(const Frame& frame, const Pose2& T_map_base) {
-    const auto c = static_cast<float>(std::cos(T_map_base.phi_rad)), s = static_cast<float>(std::sin(T_map_base.phi_rad)),
-               x = static_cast<float>(T_map_base.x_m), y = static_cast<float>(T_map_base.y_m);
+    const auto c = static_cast<float>(std::cos(T_map_base.phi_rad)),
+               s = static_cast<float>(std::sin(T_map_base.phi_rad)), x = static_cast<float>(T_map_base.x_m),
+               y = static_cast<float>(T_map_base.y_m);
     for (const SurfacePoint& p : frame.points)
         if (p.has_normal())
-            points_.push_back({x + c * p.p_base_m.x() - s * p.p_base_m.y(), y + s * p.p_base_m.x() + c * p.p_base_m.y(),
-                               c * p.normal_base.x() - s * p.normal_base.y(), s * p.normal_base.x() + c * p.normal_base.y()});
+            points_.push_back({x + c * p.p_base_m.x() - s * p.p_base_m.y(),
+                               y + s * p.p_base_m.x() + c * p.p_base_m.y(),
+                               c * p.normal_base.x() - s * p.normal_base.y(),
+                               s * p.normal_base.x() + c * p.normal_base.y()});
 }
 
 void SurfaceIndex::finish() {

@@ -1,4 +1,5 @@
-/// The surfaces of a few frames, to match another one with: quickly made and quickly asked, where a grid would not pay.
+/// The surfaces of a few frames, to match another one with: quickly made and quickly asked, where a grid
+/// would not pay.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +45,8 @@ class SurfaceIndex {
         return i > v ? i - 1 : i;
     }
     static std::size_t slot_of(int bx, int by) {
-        return (static_cast<std::uint32_t>(bx) * 73856093U ^ static_cast<std::uint32_t>(by) * 19349663U) % slots;
+        return (static_cast<std::uint32_t>(bx) * 73856093U ^ static_cast<std::uint32_t>(by) * 19349663U) %
+               slots;
     }
 
     double per_bucket_;

@@ -1,5 +1,6 @@
-/// The part of the map that is safe to match with: frames whose place is well known from where the vehicle is now. What it
-/// saw long ago, and may be off by more than a wall's thickness by now, is not part of it until a loop is closed.
+/// The part of the map that is safe to match with: frames whose place is well known from where the vehicle is
+/// now. What it saw long ago, and may be off by more than a wall's thickness by now, is not part of it until
+/// a loop is closed.
 #pragma once
 
 #include <vector>
@@ -11,15 +12,16 @@
 namespace loopline::grid_slam {
 
 struct ActiveMapSettings {
-    double sigma_m = 0.12;   ///< how well the place of a frame must be known
-    double radius_m = 25;    ///< how near it must be
-    double moved_m = 0.01;   ///< a frame whose pose was corrected by more is drawn anew
+    double sigma_m = 0.12;  ///< how well the place of a frame must be known
+    double radius_m = 25;   ///< how near it must be
+    double moved_m = 0.01;  ///< a frame whose pose was corrected by more is drawn anew
     double moved_rad = 0.003;
 };
 
 class ActiveMap {
  public:
-    ActiveMap(const grid_map::ScanGridSettings& grid, const ActiveMapSettings& settings) : settings_(settings), grid_(grid) {}
+    ActiveMap(const grid_map::ScanGridSettings& grid, const ActiveMapSettings& settings)
+        : settings_(settings), grid_(grid) {}
 
     const grid_map::ScanGrid& grid() const { return grid_; }
     bool is_active(std::uint32_t frame) const { return frame < in_grid_.size() && in_grid_[frame]; }

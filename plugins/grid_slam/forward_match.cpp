@@ -9,7 +9,8 @@ namespace {
 
 double mean_range_m(const grid_map::Frame& frame) {
     double sum = 0;
-    for (const auto& point : frame.points) sum += static_cast<double>((point.p_base_m - frame.p_base_sensor_m).norm());
+    for (const auto& point : frame.points)
+        sum += static_cast<double>((point.p_base_m - frame.p_base_sensor_m).norm());
     return frame.points.empty() ? 1 : sum / static_cast<double>(frame.points.size());
 }
 
@@ -32,17 +33,19 @@ grid_map::SearchWindow window_for(const Pose2& T_map_prior, const Eigen::Matrix3
 
 }  // namespace
 
-ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame& frame, const Pose2& T_map_prior,
-                           const Eigen::Matrix3d& prior_covariance, const ForwardSettings& settings) {
+ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame& frame,
+                           const Pose2& T_map_prior, const Eigen::Matrix3d& prior_covariance,
+                           const ForwardSettings& settings) {
     ForwardMatch match;
     match.T_map_base = T_map_prior;
     match.covariance = prior_covariance;
     const auto points = grid_map::search_points(frame, static_cast<std::size_t>(settings.search_points));
     if (points.empty()) return match;
-    const auto found = grid_map::branch_and_bound(grid, points, window_for(T_map_prior, prior_covariance, grid.cell_m(), settings));
+    const auto found = grid_map::branch_and_bound(
+        grid, points, window_for(T_map_prior, prior_covariance, grid.cell_m(), settings));
     const Eigen::Matrix3d prior_information = prior_covariance.inverse();
-    const grid_map::ScanFit fit = grid_map::refine(grid, frame, found ? found->T_map_base : T_map_prior, T_map_prior,
-                                                   prior_information, settings.refinement);
+    const grid_map::ScanFit fit = grid_map::refine(grid, frame, found ? found->T_map_base : T_map_prior,
+                                                   T_map_prior, prior_information, settings.refinement);
     match.fit = fit.fit;
     match.degeneracy = grid_map::degeneracy(fit, mean_range_m(frame), settings.sigma_degenerate_m);
     if (fit.fit < settings.min_fit) return match;

@@ -1,4 +1,5 @@
-/// A scan against the map of its surroundings, with what the motion says about its place (rows B2 and B4 of the method).
+/// A scan against the map of its surroundings, with what the motion says about its place (rows B2 and B4 of
+/// the method).
 #pragma once
 
 #include "grid_map/refinement.h"
@@ -8,19 +9,20 @@
 namespace loopline::grid_slam {
 
 struct ForwardSettings {
-    double window_sigmas = 2.5;        ///< half of the search window, in standard deviations of the motion
-    double max_window_m = 1;           ///< but not more
+    double window_sigmas = 2.5;  ///< half of the search window, in standard deviations of the motion
+    double max_window_m = 1;     ///< but not more
     double max_window_rad = 40 * M_PI / 180;
     double heading_step_rad = 0.5 * M_PI / 180;
     int search_points = 60;
-    double min_fit = 0.3;              ///< part of the returns on a surface, below which the motion alone counts
-    double sigma_degenerate_m = 0.3;   ///< a direction that the scan holds no better than this is not observed
+    double min_fit = 0.3;  ///< part of the returns on a surface, below which the motion alone counts
+    double sigma_degenerate_m = 0.3;  ///< a direction that the scan holds no better than this is not observed
     grid_map::RefinementSettings refinement;
 };
 
 struct ForwardMatch {
     Pose2 T_map_base;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, phi) about the map around it, map axes
+    Eigen::Matrix3d covariance =
+        Eigen::Matrix3d::Zero();  ///< of (x, y, phi) about the map around it, map axes
     double fit = 0;
     bool matched = false;  ///< else the motion alone counts
     /// Of the scan alone, around T_map_base: log-likelihood = gradient' d - d' information d / 2.
@@ -30,7 +32,8 @@ struct ForwardMatch {
 };
 
 /// `prior_covariance`: of (x, y, phi), map axes.
-ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame& frame, const Pose2& T_map_prior,
-                           const Eigen::Matrix3d& prior_covariance, const ForwardSettings& settings);
+ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame& frame,
+                           const Pose2& T_map_prior, const Eigen::Matrix3d& prior_covariance,
+                           const ForwardSettings& settings);
 
 }  // namespace loopline::grid_slam

@@ -20,9 +20,13 @@ grid_map::ScanGridSettings active_grid(const GridSlamSettings& settings) {
 }  // namespace
 
 GridSlam::GridSlam(const GridSlamSettings& settings)
-    : settings_(settings), active_(active_grid(settings), settings.active), linker_(settings.links), loops_(settings.loops) {}
+    : settings_(settings),
+      active_(active_grid(settings), settings.active),
+      linker_(settings.links),
+      loops_(settings.loops) {}
 
-ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction, const grid_map::SweepMotion& sweep) {
+ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction,
+                       const grid_map::SweepMotion& sweep) {
     grid_map::make_frame(scan, sweep, settings_.frame, frame_);
     stamp_ns_ = prediction.stamp_ns;
     T_new_old_.reset();
@@ -39,7 +43,8 @@ ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction, con
     since_last_frame_ = since_last_frame_ * prediction.motion;
 
     // S2: forward matching, from where the motion leads.
-    result.match = match_forward(active_.grid(), frame_, prediction.T_map_base, prediction.covariance, settings_.forward);
+    result.match = match_forward(active_.grid(), frame_, prediction.T_map_base, prediction.covariance,
+                                 settings_.forward);
     unmatched_ += result.match.matched ? 0 : 1;
     degenerate_ += result.match.degeneracy.free_directions > 0 ? 1 : 0;
     settle_on_frame(result.match);
@@ -48,11 +53,13 @@ ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction, con
     return result;
 }
 
-/// The scan rides on the frame it rode on before, or on another one that is nearer, or becomes a frame itself.
+/// The scan rides on the frame it rode on before, or on another one that is nearer, or becomes a frame
+/// itself.
 void GridSlam::settle_on_frame(const ForwardMatch& match) {
     const auto away = [&](std::uint32_t frame) { return map_.poses[frame].inverse() * match.T_map_base; };
     const auto is_near = [&](const Pose2& T) {
-        return T.translation().norm() < settings_.frame_way_m && std::abs(T.phi_rad) < settings_.frame_turn_rad;
+        return T.translation().norm() < settings_.frame_way_m &&
+               std::abs(T.phi_rad) < settings_.frame_turn_rad;
     };
     const auto ride_on = [&](std::uint32_t frame) {
         places_.push_back({frame, away(frame), turned(match.covariance, -map_.poses[frame].phi_rad)});
@@ -75,9 +82,11 @@ std::optional<std::uint32_t> GridSlam::near_frame(const Pose2& T_map_base) const
     std::optional<std::uint32_t> nearest;
     double nearest_away = 1;
     for (const std::uint32_t frame : active_.active()) {
-        const double way = (map_.poses[frame].translation() - T_map_base.translation()).norm() / settings_.frame_way_m;
+        const double way =
+            (map_.poses[frame].translation() - T_map_base.translation()).norm() / settings_.frame_way_m;
         if (way >= nearest_away) continue;
-        const double turn = std::abs(wrap_to_pi(map_.poses[frame].phi_rad - T_map_base.phi_rad)) / settings_.frame_turn_rad;
+        const double turn =
+            std::abs(wrap_to_pi(map_.poses[frame].phi_rad - T_map_base.phi_rad)) / settings_.frame_turn_rad;
         if (std::max(way, turn) >= nearest_away) continue;
         nearest_away = std::max(way, turn);
         nearest = frame;
@@ -88,7 +97,8 @@ std::optional<std::uint32_t> GridSlam::near_frame(const Pose2& T_map_base) const
 void GridSlam::add_frame(const ForwardMatch& match) {
     const bool first = map_.size() == 0;
     const std::uint32_t rode_on = first ? 0 : places_.back().frame;
-    const std::uint32_t frame = map_.add(frame_, match.T_map_base, way_m_, places_.size(), stamp_ns_, since_last_frame_);
+    const std::uint32_t frame =
+        map_.add(frame_, match.T_map_base, way_m_, places_.size(), stamp_ns_, since_last_frame_);
     since_last_frame_ = {};
     neighbourhood_.resize(map_.size());
     active_.add(map_, frame);
@@ -137,7 +147,8 @@ Pose2 GridSlam::correct_by_going_back(const Constraint& closing) {
     loop.first = closing.from;
     loop.last = closing.to;
     loop.T_map_last = map_.poses[loop.first] * closing.T_from_to;
-    loop.covariance = turned((closing.information + 1e-6 * Eigen::Matrix3d::Identity()).inverse(), map_.poses[loop.first].phi_rad);
+    loop.covariance = turned((closing.information + 1e-6 * Eigen::Matrix3d::Identity()).inverse(),
+                             map_.poses[loop.first].phi_rad);
 
     std::vector<std::uint32_t> old_map;
     for (std::uint32_t frame = 0; frame < loop.first; ++frame) old_map.push_back(frame);
@@ -153,7 +164,10 @@ Pose2 GridSlam::correct_by_going_back(const Constraint& closing) {
     for (std::uint32_t frame = loop.first; frame <= loop.last; ++frame) {
         forward.poses.push_back(map_.poses[frame]);
         forward.covariances.push_back(from_first.covariance[frame]);
-        reverse.covariances[frame - loop.first] = from_last.covariance[frame] + loop.covariance;
+        const Eigen::Matrix3d carried =
+            carried_by(map_.poses[frame].translation() - map_.poses[loop.last].translation());
+        reverse.covariances[frame - loop.first] =
+            from_last.covariance[frame] + carried * loop.covariance * carried.transpose();
     }
     const PassResult fused = fuse(forward, reverse, settings_.weights);
 
@@ -175,13 +189,17 @@ void GridSlam::record_correction(std::vector<Pose2> before, const Constraint& lo
     correction.frame = loop.to;
     correction.T_before_after = before[loop.to].inverse() * map_.poses[loop.to];
     correction.before = std::move(before);
-    correction.after.assign(map_.poses.begin(), map_.poses.begin() + static_cast<std::ptrdiff_t>(correction.before.size()));
+    correction.after.assign(map_.poses.begin(),
+                            map_.poses.begin() + static_cast<std::ptrdiff_t>(correction.before.size()));
     corrections_.push_back(std::move(correction));
-    const auto kept = std::count_if(corrections_.begin(), corrections_.end(), [](const Correction& c) { return !c.before.empty(); });
+    const auto kept = std::count_if(corrections_.begin(), corrections_.end(),
+                                    [](const Correction& c) { return !c.before.empty(); });
     if (static_cast<std::size_t>(kept) <= most) return;
     auto least = corrections_.end();
     for (auto c = corrections_.begin(); c != corrections_.end(); ++c)
-        if (!c->before.empty() && (least == corrections_.end() || c->T_before_after.translation().norm() < least->T_before_after.translation().norm()))
+        if (!c->before.empty() &&
+            (least == corrections_.end() ||
+             c->T_before_after.translation().norm() < least->T_before_after.translation().norm()))
             least = c;
     least->before = least->after = least->reverse = {};
 }
@@ -219,13 +237,15 @@ Pose2 GridSlam::apply_correction() {
     relink_after_ = false;
     const std::size_t before = constraints_.size();
     relink(loop_.to);
-    const bool again = std::any_of(constraints_.begin() + static_cast<std::ptrdiff_t>(before), constraints_.end(),
-                                   [this](const Constraint& c) { return is_worth_correcting(c); });
+    const bool again =
+        std::any_of(constraints_.begin() + static_cast<std::ptrdiff_t>(before), constraints_.end(),
+                    [this](const Constraint& c) { return is_worth_correcting(c); });
     if (again) begin_correction();
     return T_new_old;
 }
 
-/// S7: all frames at their corrected poses; those taken since move with the last one, and so does the vehicle.
+/// S7: all frames at their corrected poses; those taken since move with the last one, and so does the
+/// vehicle.
 Pose2 GridSlam::take_poses(std::vector<Pose2> corrected) {
     const std::uint32_t rides_on = places_.back().frame;
     const Pose2 T_map_last_before = map_.poses[map_.last()], T_map_frame_before = map_.poses[rides_on];
@@ -242,14 +262,16 @@ Pose2 GridSlam::take_poses(std::vector<Pose2> corrected) {
 }
 
 void GridSlam::relink(std::uint32_t from_frame) {
-    for (std::uint32_t frame = map_.last(); frame > 0 && map_.path_m[from_frame] - map_.path_m[frame] < settings_.relink_m; --frame)
+    for (std::uint32_t frame = map_.last();
+         frame > 0 && map_.path_m[from_frame] - map_.path_m[frame] < settings_.relink_m; --frame)
         for (const Constraint& link : linker_.link(map_, active_, frame)) add_constraint(link);
 }
 
 void GridSlam::rebuild_neighbourhood() {
     neighbourhood_.clear();
     neighbourhood_.resize(map_.size());
-    for (const Constraint& constraint : constraints_) neighbourhood_.add(constraint, map_.poses[constraint.from]);
+    for (const Constraint& constraint : constraints_)
+        neighbourhood_.add(constraint, map_.poses[constraint.from]);
 }
 
 void GridSlam::finish() {
@@ -259,7 +281,8 @@ void GridSlam::finish() {
         return;
     }
     if (settings_.weights != Weights::joint) {
-        // What the passes gave stays; what is known of each frame is so from the first one, by the constraints.
+        // What the passes gave stays; what is known of each frame is so from the first one, by the
+        // constraints.
         RelativeUncertainty known;
         relative_uncertainty(neighbourhood_, map_.poses, 0, RelativeUncertainty::unknown, known);
         frame_covariances_ = known.covariance;
@@ -281,11 +304,10 @@ void GridSlam::path(std::vector<Pose2>& poses, std::vector<Eigen::Matrix3d>& cov
     for (const Place& place : places_) {
         const Pose2& T_map_frame = map_.poses[place.frame];
         const Pose2 T_map_base = T_map_frame * place.T_frame_base;
-        Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
-        carried(0, 2) = -(T_map_base.y_m - T_map_frame.y_m);
-        carried(1, 2) = T_map_base.x_m - T_map_frame.x_m;
+        const Eigen::Matrix3d carried = carried_by(T_map_base.translation() - T_map_frame.translation());
         Eigen::Matrix3d covariance = turned(place.covariance, T_map_frame.phi_rad);
-        if (place.frame < frame_covariances_.size()) covariance += carried * frame_covariances_[place.frame] * carried.transpose();
+        if (place.frame < frame_covariances_.size())
+            covariance += carried * frame_covariances_[place.frame] * carried.transpose();
         poses.push_back(T_map_base);
         covariances.push_back(covariance);
     }

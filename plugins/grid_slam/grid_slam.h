@@ -1,5 +1,6 @@
-/// Mapping with a planar laser that closes its loops (Wuhan University's patent, steps S1 to S7): forward matching on the
-/// map, loops found and verified, the path corrected from both ends of a loop, the map rebuilt.
+/// Mapping with a planar laser that closes its loops (Wuhan University's patent, steps S1 to S7): forward
+/// matching on the map, loops found and verified, the path corrected from both ends of a loop, the map
+/// rebuilt.
 #pragma once
 
 #include <optional>
@@ -25,15 +26,15 @@ struct GridSlamSettings {
     LinkSettings links;
     LoopSettings loops;
     GraphSettings graph;
-    double frame_way_m = 0.1;                  ///< a scan so far from all frames of the map becomes one
-    double frame_turn_rad = 3 * M_PI / 180;    ///< or one so turned
-    double new_fit = 0.8;                      ///< or one that fits worse than this
-    double choose_every_m = 1;                 ///< way after which the active map is chosen anew
-    double relink_m = 4;                       ///< way before a loop whose frames are linked to the old map
-    double worth_m = 0.03;                     ///< constraints that disagree with the poses by less wait for the next correction
+    double frame_way_m = 0.1;                ///< a scan so far from all frames of the map becomes one
+    double frame_turn_rad = 3 * M_PI / 180;  ///< or one so turned
+    double new_fit = 0.8;                    ///< or one that fits worse than this
+    double choose_every_m = 1;               ///< way after which the active map is chosen anew
+    double relink_m = 4;                     ///< way before a loop whose frames are linked to the old map
+    double worth_m = 0.03;  ///< constraints that disagree with the poses by less wait for the next correction
     double worth_rad = 0.5 * M_PI / 180;
-    GraphSettings online_graph{4, 2e-3, 3};    ///< of corrections on the way
-    Weights weights = Weights::joint;          ///< how a loop is corrected
+    GraphSettings online_graph{4, 2e-3, 3};  ///< of corrections on the way
+    Weights weights = Weights::joint;        ///< how a loop is corrected
 };
 
 /// What one scan gave.
@@ -47,20 +48,23 @@ struct ScanPose {
 struct Correction {
     StampNs stamp_ns = 0;                    ///< of the scan at which it took effect
     std::uint32_t old_frame = 0, frame = 0;  ///< that the loop joins
-    std::vector<Pose2> before, after;        ///< poses of all frames; empty where others moved the vehicle more
+    std::vector<Pose2> before, after;  ///< poses of all frames; empty where others moved the vehicle more
     std::uint32_t reverse_first = 0;
-    std::vector<Pose2> reverse;              ///< of the frames from reverse_first on; none where no reverse pass was made
-    Pose2 T_before_after;                    ///< of the later frame
+    std::vector<Pose2> reverse;  ///< of the frames from reverse_first on; none where no reverse pass was made
+    Pose2 T_before_after;        ///< of the later frame
 };
 
 class GridSlam {
  public:
     explicit GridSlam(const GridSlamSettings& settings);
 
-    /// Before each scan: goes on with a correction that is under way. If it took effect: how it moved the vehicle.
+    /// Before each scan: goes on with a correction that is under way. If it took effect: how it moved the
+    /// vehicle.
     std::optional<Pose2> advance();
-    /// The next scan, and where the vehicle should be. `sweep`: its motion from the first beam of this scan to the last.
-    ScanPose add(const PlanarScan& scan, const Prediction& prediction, const grid_map::SweepMotion& sweep = {});
+    /// The next scan, and where the vehicle should be. `sweep`: its motion from the first beam of this scan
+    /// to the last.
+    ScanPose add(const PlanarScan& scan, const Prediction& prediction,
+                 const grid_map::SweepMotion& sweep = {});
     /// End of the log: what is under way is finished, and all poses are fitted once more.
     void finish();
 
@@ -73,7 +77,8 @@ class GridSlam {
     const std::vector<Constraint>& constraints() const { return constraints_; }
     const std::vector<LoopRecord>& loops() const { return loops_.records(); }
     const std::vector<Correction>& corrections() const { return corrections_; }
-    /// For weights other than `joint`: what leads from frame to frame on the way back. Outlives this object, or is replaced.
+    /// For weights other than `joint`: what leads from frame to frame on the way back. Outlives this object,
+    /// or is replaced.
     void set_reverse_navigation(ReverseNavigation* navigation) { reverse_navigation_ = navigation; }
     std::uint64_t unmatched() const { return unmatched_; }
     std::uint64_t degenerate() const { return degenerate_; }
@@ -117,10 +122,10 @@ class GridSlam {
     std::optional<GraphOptimiser> correction_;
     std::size_t correction_frames_ = 0;
     bool relink_after_ = false;
-    Constraint loop_;                         ///< that the correction under way is for
-    std::optional<Pose2> T_new_old_;          ///< of a correction that was made at once
-    StampNs stamp_ns_ = 0;                    ///< of the scan at hand
-    Motion since_last_frame_;                 ///< since the latest frame was made
+    Constraint loop_;                 ///< that the correction under way is for
+    std::optional<Pose2> T_new_old_;  ///< of a correction that was made at once
+    StampNs stamp_ns_ = 0;            ///< of the scan at hand
+    Motion since_last_frame_;         ///< since the latest frame was made
     std::vector<Correction> corrections_;
     ReverseNavigation* reverse_navigation_ = nullptr;
     std::uint64_t unmatched_ = 0, degenerate_ = 0;

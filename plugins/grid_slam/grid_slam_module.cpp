@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "api/observation_class.h"
 #include "inertial/imu_observation.h"
@@ -17,14 +18,17 @@ namespace {
 
 using namespace grid_slam;
 
-mrpt::obs::CObservationRobotPose::Ptr pose_observation(const Pose2& T_map_base, const Eigen::Matrix3d& covariance) {
+mrpt::obs::CObservationRobotPose::Ptr pose_observation(const Pose2& T_map_base,
+                                                       const Eigen::Matrix3d& covariance) {
     auto observation = mrpt::obs::CObservationRobotPose::Create();
     observation->sensorLabel = GridSlamModule::published_label;
-    observation->pose.mean = mrpt::poses::CPose3D(T_map_base.x_m, T_map_base.y_m, 0, T_map_base.phi_rad, 0, 0);
+    observation->pose.mean =
+        mrpt::poses::CPose3D(T_map_base.x_m, T_map_base.y_m, 0, T_map_base.phi_rad, 0, 0);
     observation->pose.cov.setZero();
     constexpr int index[3] = {0, 1, 3};  // x, y, yaw of MRPT's (x y z yaw pitch roll)
     for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) observation->pose.cov(index[row], index[column]) = covariance(row, column);
+        for (int column = 0; column < 3; ++column)
+            observation->pose.cov(index[row], index[column]) = covariance(row, column);
     return observation;
 }
 
@@ -40,11 +44,12 @@ std::vector<std::vector<Eigen::Vector2f>> points_of(const std::vector<grid_map::
 }  // namespace
 
 ModuleInfo GridSlamModule::info() const {
-    ModuleInfo info{"grid_slam",
-                    "Maps with a planar laser on a grid, finds loops of the path by itself and corrects them.",
-                    {"CObservation2DRangeScan"},
-                    {},
-                    {"CObservationRobotPose"}};
+    ModuleInfo info{
+        "grid_slam",
+        "Maps with a planar laser on a grid, finds loops of the path by itself and corrects them.",
+        {"CObservation2DRangeScan"},
+        {},
+        {"CObservationRobotPose"}};
     (source_ == Source::imu ? info.uses : info.needs).push_back("CObservationOdometry");
     (source_ == Source::wheel ? info.uses : info.needs).push_back("CObservationIMU");
     return info;
@@ -78,9 +83,11 @@ void GridSlamModule::take_odometry(const StreamItem& item) {
     if (odometry.sensorLabel != odometry_label) return;
     for (Scan& scan : waiting_) {
         // What a module publishes carries the sequence of its scan; what a log holds has its own.
-        const bool same = item.published ? scan.sequence == item.sequence : scan.stamp_ns == item.stamp_ns && !scan.T_odom_base;
+        const bool same = item.published ? scan.sequence == item.sequence
+                                         : scan.stamp_ns == item.stamp_ns && !scan.T_odom_base;
         if (!same) continue;
-        scan.T_odom_base = Pose2{odometry.odometry.x(), odometry.odometry.y(), wrap_to_pi(odometry.odometry.phi())};
+        scan.T_odom_base =
+            Pose2{odometry.odometry.x(), odometry.odometry.y(), wrap_to_pi(odometry.odometry.phi())};
         return;
     }
 }
@@ -97,16 +104,19 @@ bool GridSlamModule::is_ready(const Scan& scan) const {
     if (seconds_between(scan.stamp_ns, waiting_.back().stamp_ns) > longest_wait_s) return true;
     if (source_ != Source::wheel && !inertial_navigation_->reaches(scan.stamp_ns)) return false;
     if (source_ == Source::imu || scan.T_odom_base) return true;
-    return std::any_of(waiting_.begin(), waiting_.end(), [](const Scan& later) { return later.T_odom_base.has_value(); });
+    return std::any_of(waiting_.begin(), waiting_.end(),
+                       [](const Scan& later) { return later.T_odom_base.has_value(); });
 }
 
 void GridSlamModule::process(const StreamItem& item, Publisher& publisher) {
     if (auto scan = as<const mrpt::obs::CObservation2DRangeScan>(item.observation)) {
-        if (is_wanted(scan->sensorLabel)) waiting_.push_back({item.sequence, item.stamp_ns, std::move(scan), std::nullopt});
+        if (is_wanted(scan->sensorLabel))
+            waiting_.push_back({item.sequence, item.stamp_ns, std::move(scan), std::nullopt});
     } else if (as<const mrpt::obs::CObservationOdometry>(item.observation.get()) != nullptr) {
         take_odometry(item);
     } else if (inertial_navigation_ != nullptr) {
-        if (const auto* imu = as<const mrpt::obs::CObservationIMU>(item.observation.get())) take_imu(*imu, item.stamp_ns);
+        if (const auto* imu = as<const mrpt::obs::CObservationIMU>(item.observation.get()))
+            take_imu(*imu, item.stamp_ns);
     }
     while (!waiting_.empty() && is_ready(waiting_.front())) {
         estimate(waiting_.front(), publisher);
@@ -162,8 +172,10 @@ void GridSlamModule::lay_out_trajectory() {
     trajectory_.reserve(online_.size());
     std::size_t k = 0;
     for (const OnlinePose& online : online_)
-        trajectory_.append(online.sequence, online.stamp_ns, Pose3(online.T_map_base), PoseCovariance::planar(covariances[k++]));
-    for (k = 0; k < poses.size(); ++k) trajectory_.revise(k, Pose3(poses[k]), PoseCovariance::planar(covariances[k]));
+        trajectory_.append(online.sequence, online.stamp_ns, Pose3(online.T_map_base),
+                           PoseCovariance::planar(covariances[k++]));
+    for (k = 0; k < poses.size(); ++k)
+        trajectory_.revise(k, Pose3(poses[k]), PoseCovariance::planar(covariances[k]));
     trajectory_.finish_revision();
 }
 
@@ -181,6 +193,7 @@ void GridSlamModule::report_loops(Results& results) const {
         loop.sigma_m = record.sigma_m;
         loop.sigma_rad = record.sigma_rad;
         loop.accepted = record.decision == LoopRecord::Decision::accepted;
+        loop.waits = record.decision == LoopRecord::Decision::waits;
         loop.reason = record.reason;
         (loop.accepted ? accepted : refused) += record.decision == LoopRecord::Decision::waits ? 0 : 1;
         results.loops.push_back(std::move(loop));
@@ -189,10 +202,12 @@ void GridSlamModule::report_loops(Results& results) const {
     results.metrics["loops_refused"] = refused;
     for (const Correction& c : slam_->corrections())
         if (!c.before.empty())
-            results.corrections.push_back({c.stamp_ns, c.old_frame, c.frame, c.T_before_after, c.before, c.after, c.reverse_first, c.reverse});
+            results.corrections.push_back({c.stamp_ns, c.old_frame, c.frame, c.T_before_after, c.before,
+                                           c.after, c.reverse_first, c.reverse});
     PoseGraph graph;
     graph.poses = slam_->map().poses;
-    for (const Constraint& c : slam_->constraints()) graph.constraints.push_back({c.from, c.to, c.T_from_to, c.information});
+    for (const Constraint& c : slam_->constraints())
+        graph.constraints.push_back({c.from, c.to, c.T_from_to, c.information});
     results.pose_graph = std::move(graph);
 }
 
@@ -200,7 +215,7 @@ void GridSlamModule::finish(Results& results) {
     slam_->finish();
     lay_out_trajectory();
     report_loops(results);
-    if (slam_->corrections() > 0) results.frame_points_base_m = points_of(slam_->map().frames);
+    if (!results.corrections.empty()) results.frame_points_base_m = points_of(slam_->map().frames);
     auto& metrics = results.metrics;
     metrics["corrections"] = static_cast<std::int64_t>(slam_->corrections().size());
     metrics["map_frames"] = static_cast<std::int64_t>(slam_->map().size());
@@ -208,7 +223,8 @@ void GridSlamModule::finish(Results& results) {
     metrics["scans_unmatched"] = static_cast<std::int64_t>(slam_->unmatched());
     metrics["scans_degenerate"] = static_cast<std::int64_t>(slam_->degenerate());
     if (inertial_navigation_ != nullptr) {
-        metrics["imu_aligned"] = inertial_navigation_->alignment_status() == inertial::AlignmentStatus::aligned;
+        metrics["imu_aligned"] =
+            inertial_navigation_->alignment_status() == inertial::AlignmentStatus::aligned;
         metrics["imu_readings_backward"] = inertial_navigation_->backward();
         metrics["wheel_speeds_refused"] = inertial_navigation_->refused();
         if (without_imu_ > 0) metrics["scans_without_imu"] = without_imu_;

@@ -17,8 +17,8 @@
 
 namespace loopline {
 
-/// Pairs each scan with the odometry of the same scan (by sequence: the odometry may come later), or waits until the
-/// readings of the IMU reach beyond it, in the log's order.
+/// Pairs each scan with the odometry of the same scan (by sequence: the odometry may come later), or waits
+/// until the readings of the IMU reach beyond it, in the log's order.
 class GridSlamModule : public Module {
     DEFINE_MRPT_OBJECT(GridSlamModule, loopline)
  public:
@@ -77,10 +77,11 @@ class GridSlamModule : public Module {
 
     // The state: all that a break between two scans must keep.
     std::unique_ptr<grid_slam::GridSlam> slam_;
-    std::deque<Scan> waiting_;  ///< by sequence
-    std::unique_ptr<grid_slam::WheelNavigation> wheel_navigation_;        ///< of the two, the one in use
+    std::deque<Scan> waiting_;                                      ///< by sequence
+    std::unique_ptr<grid_slam::WheelNavigation> wheel_navigation_;  ///< of the two, the one in use
     std::unique_ptr<grid_slam::InertialNavigation> inertial_navigation_;
-    std::unique_ptr<grid_slam::ReverseNavigation> reverse_navigation_;    ///< has no state of its own between two scans
+    std::unique_ptr<grid_slam::ReverseNavigation>
+        reverse_navigation_;  ///< has no state of its own between two scans
     std::deque<OnlinePose> online_;
     std::int64_t without_odometry_ = 0, without_imu_ = 0, unusable_ = 0;
 

@@ -45,12 +45,14 @@ void fields(Archive& archive, Linker& linker) {
 
 template <class Archive>
 void fields(Archive& archive, LoopRecord& r) {
-    archive(r.frame, r.old_frame, r.way_m, r.likelihood, r.fit, r.rival, r.shift, r.sigma_m, r.sigma_rad, r.decision, r.reason);
+    archive(r.frame, r.old_frame, r.way_m, r.likelihood, r.fit, r.rival, r.shift, r.sigma_m, r.sigma_rad,
+            r.decision, r.reason);
 }
 
 template <class Archive>
 void fields(Archive& archive, LoopSearch& search) {
-    archive(search.looked_at_m_, search.known_at_m_, search.largest_sigma_m_, search.pending_, search.records_);
+    archive(search.looked_at_m_, search.known_at_m_, search.largest_sigma_m_, search.pending_,
+            search.records_);
 }
 
 /// The grid is drawn anew: it is made of whole numbers, so the order does not matter.
@@ -68,8 +70,8 @@ void fields(Archive& archive, ActiveMap& active, const MapFrames& map) {
 
 /// A correction works on the first of the constraints.
 template <class Archive>
-void fields(Archive& archive, std::optional<GraphOptimiser>& correction, const std::vector<Constraint>& constraints,
-            const GraphSettings& settings) {
+void fields(Archive& archive, std::optional<GraphOptimiser>& correction,
+            const std::vector<Constraint>& constraints, const GraphSettings& settings) {
     bool there = correction.has_value();
     archive(there);
     if (!there) return;
@@ -85,7 +87,10 @@ void fields(Archive& archive, std::optional<GraphOptimiser>& correction, const s
     }
     archive(poses, used, iterations, good);
     if constexpr (Archive::reading) {
-        correction.emplace(poses, std::vector<Constraint>(constraints.begin(), constraints.begin() + static_cast<std::ptrdiff_t>(used)), settings);
+        correction.emplace(poses,
+                           std::vector<Constraint>(constraints.begin(),
+                                                   constraints.begin() + static_cast<std::ptrdiff_t>(used)),
+                           settings);
         correction->go_on_from(iterations, good);
     }
 }
@@ -95,7 +100,8 @@ void fields(Archive& archive, GridSlam& slam) {
     archive(slam.map_);
     fields(archive, slam.active_, slam.map_);
     archive(slam.linker_, slam.loops_, slam.constraints_);
-    archive.each(slam.places_, [](auto& a, auto& place) { a(place.frame, place.T_frame_base, place.covariance); });
+    archive.each(slam.places_,
+                 [](auto& a, auto& place) { a(place.frame, place.T_frame_base, place.covariance); });
     archive(slam.since_frame_, slam.since_last_frame_, slam.stamp_ns_, slam.way_m_, slam.chosen_at_m_);
     fields(archive, slam.correction_, slam.constraints_, slam.settings_.online_graph);
     std::uint64_t correction_frames = slam.correction_frames_;
@@ -114,7 +120,9 @@ void fields(Archive& archive, WheelNavigation& n) {
 
 template <class Archive>
 void fields(Archive& archive, InertialNavigation& n) {
-    const auto sample = [](auto& a, inertial::ImuSample& s) { a(s.stamp_ns, s.omega_base_radps, s.specific_force_base_mps2); };
+    const auto sample = [](auto& a, inertial::ImuSample& s) {
+        a(s.stamp_ns, s.omega_base_radps, s.specific_force_base_mps2);
+    };
     archive(n.filter_, n.place_.p_base_imu_m, n.window_, n.alignment_status_, n.aligned_);
     archive.each(n.samples_, sample);
     archive.each(n.readings_, sample);
@@ -122,7 +130,8 @@ void fields(Archive& archive, InertialNavigation& n) {
     archive(latest);
     if (Archive::reading && latest) n.latest_.emplace();
     if (latest) sample(archive, *n.latest_);
-    archive(n.first_ns_, n.scan_ns_, n.T_odom_base_, n.T_map_base_, n.T_before_now_, n.covariance_, n.refused_, n.backward_);
+    archive(n.first_ns_, n.scan_ns_, n.T_odom_base_, n.T_map_base_, n.T_before_now_, n.covariance_,
+            n.refused_, n.backward_);
 }
 
 }  // namespace grid_slam

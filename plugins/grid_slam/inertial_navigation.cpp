@@ -11,20 +11,24 @@ namespace {
 
 /// A reading between two others.
 inertial::ImuSample between(const inertial::ImuSample& a, const inertial::ImuSample& b, StampNs stamp_ns) {
-    const double span_s = seconds_between(a.stamp_ns, b.stamp_ns), u = span_s > 0 ? seconds_between(a.stamp_ns, stamp_ns) / span_s : 0;
+    const double span_s = seconds_between(a.stamp_ns, b.stamp_ns),
+                 u = span_s > 0 ? seconds_between(a.stamp_ns, stamp_ns) / span_s : 0;
     return {stamp_ns, (1 - u) * a.omega_base_radps + u * b.omega_base_radps,
             (1 - u) * a.specific_force_base_mps2 + u * b.specific_force_base_mps2};
 }
 
 /// What speed and gyro get wrong within a step, on (x, y, phi) along the axes of the map.
-Eigen::Matrix3d error_of_step(const inertial::ErrorStateFilter& filter, const inertial::ImuNoise& noise, double duration_s) {
+Eigen::Matrix3d error_of_step(const inertial::ErrorStateFilter& filter, const InertialSettings& settings,
+                              double duration_s, double turn_rad) {
     const auto& P = filter.covariance();
     const double dt = std::max(duration_s, 1e-3);
     Eigen::Matrix3d error = Eigen::Matrix3d::Zero();
-    error.topLeftCorner<2, 2>() = P.block<2, 2>(inertial::velocity_error, inertial::velocity_error) * dt * dt;
+    error.topLeftCorner<2, 2>() = (P.block<2, 2>(inertial::velocity_error, inertial::velocity_error) +
+                                   std::pow(settings.sigma_speed_mps, 2) * Eigen::Matrix2d::Identity()) *
+                                  dt * dt;
     error(2, 2) = P(inertial::gyro_bias_error + 2, inertial::gyro_bias_error + 2) * dt * dt +
-                  std::pow(noise.gyro.density_radps_sqrt_hz, 2) * dt;
-    error.diagonal() += Eigen::Vector3d(1e-8, 1e-8, 1e-9);
+                  std::pow(settings.noise.gyro.density_radps_sqrt_hz, 2) * dt +
+                  std::pow(settings.sigma_turn * turn_rad, 2) + 1e-9;
     return error;
 }
 
@@ -43,7 +47,8 @@ void move_filter(inertial::ErrorStateFilter& filter, const Pose2& T_new_old) {
 
 inertial::PlanarInformation without_the_map_noise(const ForwardMatch& match, const MapNoise& map) {
     // Directions that the scan does not hold have no information, and stay without.
-    const Eigen::Matrix3d doubt = (Eigen::Matrix3d::Identity() + match.information * map.covariance()).inverse();
+    const Eigen::Matrix3d doubt =
+        (Eigen::Matrix3d::Identity() + match.information * map.covariance()).inverse();
     return {match.T_map_base, doubt * match.information, doubt * match.gradient};
 }
 
@@ -56,7 +61,9 @@ InertialNavigation::InertialNavigation(const InertialSettings& settings)
       window_(settings.alignment.duration_s) {}
 
 void InertialNavigation::add(const inertial::ImuSample& sample, const Eigen::Vector3d& p_base_imu_m) {
-    const StampNs newest_ns = !samples_.empty() ? samples_.back().stamp_ns : latest_ ? latest_->stamp_ns : sample.stamp_ns - 1;
+    const StampNs newest_ns = !samples_.empty() ? samples_.back().stamp_ns
+                              : latest_         ? latest_->stamp_ns
+                                                : sample.stamp_ns - 1;
     if (sample.stamp_ns <= newest_ns) {
         ++backward_;
         return;
@@ -72,7 +79,9 @@ void InertialNavigation::propagate(StampNs stamp_ns) {
     while (!samples_.empty()) {
         const bool whole = samples_.front().stamp_ns <= stamp_ns;
         // Up to the scan itself, between two readings; after the last one the last one holds.
-        const inertial::ImuSample next = whole ? samples_.front() : latest_ ? between(*latest_, samples_.front(), stamp_ns) : samples_.front();
+        const inertial::ImuSample next = whole     ? samples_.front()
+                                         : latest_ ? between(*latest_, samples_.front(), stamp_ns)
+                                                   : samples_.front();
         if (latest_ && next.stamp_ns <= latest_->stamp_ns) {
             if (!whole) return;
             samples_.pop_front();
@@ -104,12 +113,15 @@ void InertialNavigation::try_to_align() {
     if (!alignment.aligned()) {
         // On the way: up is about where the mean force points, and the gyro's bias is unknown.
         const Eigen::Vector3d up = mean.specific_force_base_mps2.normalized();
-        alignment.state.q_map_base = Eigen::Quaterniond(Eigen::AngleAxisd(T_map_base_.phi_rad, Eigen::Vector3d::UnitZ())) *
-                                     Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
-        alignment.state.p_map_m = Eigen::Vector3d(T_map_base_.x_m, T_map_base_.y_m, 0) + alignment.state.q_map_base * place_.p_base_imu_m;
+        alignment.state.q_map_base =
+            Eigen::Quaterniond(Eigen::AngleAxisd(T_map_base_.phi_rad, Eigen::Vector3d::UnitZ())) *
+            Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+        alignment.state.p_map_m = Eigen::Vector3d(T_map_base_.x_m, T_map_base_.y_m, 0) +
+                                  alignment.state.q_map_base * place_.p_base_imu_m;
         alignment.state.v_map_mps.setZero();
         alignment.covariance.setZero();
-        const double sigma[5] = {0.02, 1.5, 3 * M_PI / 180, 0.5 * M_PI / 180, settings_.alignment.sigma_accelerometer_bias_mps2};
+        const double sigma[5] = {0.02, 1.5, 3 * M_PI / 180, 0.5 * M_PI / 180,
+                                 settings_.alignment.sigma_accelerometer_bias_mps2};
         for (int k = 0; k < 15; ++k) alignment.covariance(k, k) = sigma[k / 3] * sigma[k / 3];
     } else {
         alignment.state.p_map_m += alignment.state.q_map_base * place_.p_base_imu_m;
@@ -125,8 +137,8 @@ Prediction InertialNavigation::steady(StampNs stamp_ns) const {
     p.stamp_ns = stamp_ns;
     p.duration_s = scan_ns_ ? seconds_between(*scan_ns_, stamp_ns) : 0;
     p.motion.T_before_now = T_before_now_;
-    p.motion.covariance.diagonal() << std::pow(settings_.sigma_steady_m, 2), std::pow(settings_.sigma_steady_m, 2),
-        std::pow(settings_.sigma_steady_rad, 2);
+    p.motion.covariance.diagonal() << std::pow(settings_.sigma_steady_m, 2),
+        std::pow(settings_.sigma_steady_m, 2), std::pow(settings_.sigma_steady_rad, 2);
     const Motion now = Motion{T_map_base_, covariance_} * p.motion;
     p.T_map_base = now.T_before_now;
     p.covariance = now.covariance;
@@ -135,6 +147,9 @@ Prediction InertialNavigation::steady(StampNs stamp_ns) const {
 
 Prediction InertialNavigation::predict(StampNs stamp_ns, const std::optional<Pose2>& T_odom_base) {
     const bool was_aligned = aligned_;
+    // Motion begins where the filter is, which is not quite where the scan was put: their difference would
+    // count as motion at each scan.
+    const Pose2 T_map_before = aligned_ ? inertial::base_pose(filter_.state(), place_).planar() : T_map_base_;
     propagate(stamp_ns);
     if (!aligned_) try_to_align();
     Prediction p = steady(stamp_ns);
@@ -146,12 +161,16 @@ Prediction InertialNavigation::predict(StampNs stamp_ns, const std::optional<Pos
     take_wheels(T_odom_base, p.duration_s);
     filter_.update(inertial::level_floor_measurement(filter_.state(), place_, settings_.floor));
     p.T_map_base = inertial::base_pose(filter_.state(), place_).planar();
-    p.motion.T_before_now = T_map_base_.inverse() * p.T_map_base;
+    p.motion.T_before_now = T_map_before.inverse() * p.T_map_base;
 
     const auto& P = filter_.covariance();
-    const auto measured = inertial::pose_measurement(filter_.state(), place_, p.T_map_base, Eigen::Matrix3d::Identity());
-    p.covariance = measured.H * P * measured.H.transpose() + 1e-8 * Eigen::Matrix3d::Identity();
-    p.motion.covariance = turned(error_of_step(filter_, settings_.noise, p.duration_s), -T_map_base_.phi_rad);
+    const auto measured =
+        inertial::pose_measurement(filter_.state(), place_, p.T_map_base, Eigen::Matrix3d::Identity());
+    // The filter's pose errs with the map that it was told by: so much may the next scan differ.
+    p.covariance = measured.H * P * measured.H.transpose() + settings_.map.covariance();
+    p.motion.covariance =
+        turned(error_of_step(filter_, settings_, p.duration_s, p.motion.T_before_now.phi_rad),
+               -T_map_before.phi_rad);
     return p;
 }
 
@@ -160,9 +179,11 @@ void InertialNavigation::take_wheels(const std::optional<Pose2>& T_odom_base, do
         const Twist2 twist = log_se2(T_odom_base_->inverse() * *T_odom_base) * (1 / duration_s);
         const auto& omega = latest_->omega_base_radps;
         constexpr double gate = 0.999;
-        const auto forward = inertial::base_speed_measurement(filter_.state(), place_, omega, 0, twist.forward_m, settings_.sigma_wheel_mps);
+        const auto forward = inertial::base_speed_measurement(filter_.state(), place_, omega, 0,
+                                                              twist.forward_m, settings_.sigma_wheel_mps);
         if (!filter_.update(forward, gate).accepted()) ++refused_;
-        const auto sideways = inertial::base_speed_measurement(filter_.state(), place_, omega, 1, twist.left_m, settings_.sigma_side_mps);
+        const auto sideways = inertial::base_speed_measurement(filter_.state(), place_, omega, 1,
+                                                               twist.left_m, settings_.sigma_side_mps);
         if (!filter_.update(sideways, gate).accepted()) ++refused_;
     }
     if (T_odom_base) T_odom_base_ = T_odom_base;
@@ -184,32 +205,35 @@ void InertialNavigation::move(const Pose2& T_new_old) {
     move_filter(filter_, T_new_old);
 }
 
-InertialReverse::InertialReverse(const InertialNavigation& navigation, const MapFrames& map) : navigation_(navigation), map_(map) {}
+InertialReverse::InertialReverse(const InertialNavigation& navigation, const MapFrames& map)
+    : navigation_(navigation), map_(map) {}
 
 void InertialReverse::start(std::uint32_t frame, const Pose2& T_map_base, const Eigen::Matrix3d& covariance) {
     filter_ = navigation_.filter();
     frame_ = frame;
-    T_map_base_ = T_map_base;
     const Pose2 was = inertial::base_pose(filter_.state(), navigation_.place_).planar();
     move_filter(filter_, T_map_base * was.inverse());
-    // The pose is the loop's. What forward knows of speed and attitude it has from the readings that are to come again, so
-    // they count for little; the biases, which these do not tell in a moment, are kept.
+    // The pose is the loop's. What forward knows of speed and attitude it has from the readings that are to
+    // come again, so they count for little; the biases, which these do not tell in a moment, are kept.
     inertial::ErrorMatrix P = inertial::ErrorMatrix::Zero();
     constexpr double sigma_speed_mps = 0.1, sigma_tilt_rad = 0.5 * M_PI / 180;
     P.block<2, 2>(0, 0) = covariance.topLeftCorner<2, 2>();
     P(2, 2) = 1e-4;
     P.block<2, 1>(0, inertial::attitude_error + 2) = covariance.block<2, 1>(0, 2);
     P.block<1, 2>(inertial::attitude_error + 2, 0) = covariance.block<1, 2>(2, 0);
-    for (int k = 0; k < 3; ++k) P(inertial::velocity_error + k, inertial::velocity_error + k) = sigma_speed_mps * sigma_speed_mps;
-    for (int k = 0; k < 2; ++k) P(inertial::attitude_error + k, inertial::attitude_error + k) = sigma_tilt_rad * sigma_tilt_rad;
+    for (int k = 0; k < 3; ++k)
+        P(inertial::velocity_error + k, inertial::velocity_error + k) = sigma_speed_mps * sigma_speed_mps;
+    for (int k = 0; k < 2; ++k)
+        P(inertial::attitude_error + k, inertial::attitude_error + k) = sigma_tilt_rad * sigma_tilt_rad;
     P(inertial::attitude_error + 2, inertial::attitude_error + 2) = covariance(2, 2) + 1e-8;
     P.bottomRightCorner<6, 6>() = filter_.covariance().bottomRightCorner<6, 6>();
     filter_.start(filter_.state(), P);
     // The reading at the frame itself, then those before it.
     const auto& readings = navigation_.readings_;
-    next_ = static_cast<std::size_t>(std::upper_bound(readings.begin(), readings.end(), map_.stamps_ns[frame],
-                                                      [](StampNs t, const inertial::ImuSample& s) { return t < s.stamp_ns; }) -
-                                     readings.begin());
+    next_ = static_cast<std::size_t>(
+        std::upper_bound(readings.begin(), readings.end(), map_.stamps_ns[frame],
+                         [](StampNs t, const inertial::ImuSample& s) { return t < s.stamp_ns; }) -
+        readings.begin());
     latest_ = reading_at(map_.stamps_ns[frame]);
 }
 
@@ -226,23 +250,27 @@ inertial::ImuSample InertialReverse::reading_at(StampNs stamp_ns) const {
 
 Motion InertialReverse::motion_back(std::uint32_t to) {
     const StampNs stamp_ns = map_.stamps_ns[to];
+    const Pose2 T_map_after = inertial::base_pose(filter_.state(), navigation_.place_).planar();
     const double duration_s = seconds_between(stamp_ns, map_.stamps_ns[frame_]);
     const auto& readings = navigation_.readings_;
     while (next_ > 0 && readings[next_ - 1].stamp_ns > stamp_ns) {
-        if (readings[next_ - 1].stamp_ns < latest_.stamp_ns) filter_.predict_reverse(readings[next_ - 1], latest_), latest_ = readings[next_ - 1];
+        if (readings[next_ - 1].stamp_ns < latest_.stamp_ns)
+            filter_.predict_reverse(readings[next_ - 1], latest_), latest_ = readings[next_ - 1];
         --next_;
     }
     const inertial::ImuSample there = reading_at(stamp_ns);
     if (there.stamp_ns < latest_.stamp_ns) filter_.predict_reverse(there, latest_), latest_ = there;
-    filter_.update(inertial::level_floor_measurement(filter_.state(), navigation_.place_, navigation_.settings_.floor));
+    filter_.update(
+        inertial::level_floor_measurement(filter_.state(), navigation_.place_, navigation_.settings_.floor));
     frame_ = to;
     const Pose2 T_map_there = inertial::base_pose(filter_.state(), navigation_.place_).planar();
-    return {T_map_base_.inverse() * T_map_there,
-            turned(error_of_step(filter_, navigation_.settings_.noise, duration_s), -T_map_base_.phi_rad)};
+    const Pose2 T_after_there = T_map_after.inverse() * T_map_there;
+    return {T_after_there,
+            turned(error_of_step(filter_, navigation_.settings_, duration_s, T_after_there.phi_rad),
+                   -T_map_after.phi_rad)};
 }
 
 void InertialReverse::update(const ForwardMatch& match) {
-    T_map_base_ = match.T_map_base;
     if (!match.matched) return;
     const auto pose = without_the_map_noise(match, navigation_.settings_.map);
     filter_.update(inertial::pose_measurement(filter_.state(), navigation_.place_, pose));

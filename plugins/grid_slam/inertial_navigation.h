@@ -1,5 +1,6 @@
-/// Navigation by an IMU, with or without wheels: strapdown mechanisation whose errors a Kalman filter estimates from what
-/// the scans say (rows B3 and B4). Until the vehicle has stood still for a moment, only scans tell where it goes.
+/// Navigation by an IMU, with or without wheels: strapdown mechanisation whose errors a Kalman filter
+/// estimates from what the scans say (rows B3 and B4). Until the vehicle has stood still for a moment, only
+/// scans tell where it goes.
 #pragma once
 
 #include <deque>
@@ -19,11 +20,15 @@ struct InertialSettings {
     inertial::ImuNoise noise;
     inertial::AlignmentSettings alignment;
     double gravity_mps2 = 9.80665;
-    double coarse_after_s = 8;      ///< without a standstill for so long, what there is must do
+    double coarse_after_s = 8;  ///< without a standstill for so long, what there is must do
     MapNoise map;
+    /// What a step is wrong by beside what the filter states: its speed comes from scans of the same map, so
+    /// it is not new beside them, and a gyro's scale is not one of the errors that are estimated.
+    double sigma_speed_mps = 0.05;
+    double sigma_turn = 0.003;  ///< as a part of the turn
     inertial::LevelFloor floor;
-    bool wheels = false;            ///< use their speed too
-    bool keep_readings = false;     ///< for those who go back
+    bool wheels = false;         ///< use their speed too
+    bool keep_readings = false;  ///< for those who go back
     double sigma_wheel_mps = 0.05;
     double sigma_side_mps = 0.05;
     /// While nothing but scans tells the motion: how much it changes from scan to scan.
@@ -66,17 +71,18 @@ class InertialNavigation {
     inertial::StandstillWindow window_;
     inertial::AlignmentStatus alignment_status_ = inertial::AlignmentStatus::too_short;
     bool aligned_ = false;
-    std::deque<inertial::ImuSample> samples_;             ///< not used up yet
-    std::vector<inertial::ImuSample> readings_;           ///< all, if they are kept
-    std::optional<inertial::ImuSample> latest_;           ///< that the filter has come to
-    std::optional<StampNs> first_ns_, scan_ns_;           ///< first reading, latest scan
-    std::optional<Pose2> T_odom_base_;                    ///< at the latest scan
-    Pose2 T_map_base_, T_before_now_;                     ///< at the latest scan, and since the one before
+    std::deque<inertial::ImuSample> samples_;    ///< not used up yet
+    std::vector<inertial::ImuSample> readings_;  ///< all, if they are kept
+    std::optional<inertial::ImuSample> latest_;  ///< that the filter has come to
+    std::optional<StampNs> first_ns_, scan_ns_;  ///< first reading, latest scan
+    std::optional<Pose2> T_odom_base_;           ///< at the latest scan
+    Pose2 T_map_base_, T_before_now_;            ///< at the latest scan, and since the one before
     Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
     std::int64_t refused_ = 0, backward_ = 0;
 };
 
-/// Inertial navigation backwards in time, from what the forward one knows now, over the readings that it kept.
+/// Inertial navigation backwards in time, from what the forward one knows now, over the readings that it
+/// kept.
 class InertialReverse : public ReverseNavigation {
  public:
     /// Both outlive it.
@@ -92,9 +98,8 @@ class InertialReverse : public ReverseNavigation {
     const MapFrames& map_;
     inertial::ErrorStateFilter filter_;
     std::uint32_t frame_ = 0;
-    Pose2 T_map_base_;
-    std::size_t next_ = 0;          ///< reading after the time that the filter is at
-    inertial::ImuSample latest_;    ///< at that time
+    std::size_t next_ = 0;        ///< reading after the time that the filter is at
+    inertial::ImuSample latest_;  ///< at that time
 };
 
 }  // namespace loopline::grid_slam

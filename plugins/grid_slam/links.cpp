@@ -6,10 +6,12 @@
 
 namespace loopline::grid_slam {
 
-/// Of frame `from` and those beside it, in its own frame. What was taken at about the same time as `to` is of no use.
+/// Of frame `from` and those beside it, in its own frame. What was taken at about the same time as `to` is of
+/// no use.
 void Linker::take_surfaces(const MapFrames& map, std::uint32_t from, std::uint32_t to) {
     const std::uint32_t first = from - std::min(from, settings_.beside),
-                        last = std::min({from + settings_.beside, map.last(), from < to ? to - 1 : map.last()});
+                        last =
+                            std::min({from + settings_.beside, map.last(), from < to ? to - 1 : map.last()});
     const Pose2 T_from_map = map.poses[from].inverse();
     surfaces_.clear();
     for (std::uint32_t frame = first; frame <= last; ++frame)
@@ -24,15 +26,18 @@ std::optional<Constraint> Linker::match(const MapFrames& map, std::uint32_t from
     const Pose2 T_from_to = map.poses[from].inverse() * map.poses[to];
     // Where the scans leave a direction open, it stays about where it is.
     const Eigen::Matrix3d weak = Eigen::Vector3d(1 / 0.25, 1 / 0.25, 1 / 0.01).asDiagonal();
-    const auto fit = grid_map::refine(surfaces_, map.frames[to], T_from_to, T_from_to, weak, settings_.refinement);
-    if (!fit.converged || fit.fit < settings_.min_fit || fit.used < settings_.min_returns) return std::nullopt;
+    const auto fit =
+        grid_map::refine(surfaces_, map.frames[to], T_from_to, T_from_to, weak, settings_.refinement);
+    if (!fit.converged || fit.fit < settings_.min_fit || fit.used < settings_.min_returns)
+        return std::nullopt;
     Constraint constraint;
     constraint.from = from;
     constraint.to = to;
     constraint.kind = Constraint::Kind::match;
     constraint.information = fit.information;
     // The optimum of the scans alone, without the pull of `weak`.
-    const Eigen::Vector3d off = (fit.information + 1e-3 * Eigen::Matrix3d::Identity()).ldlt().solve(fit.gradient);
+    const Eigen::Vector3d off =
+        (fit.information + 1e-3 * Eigen::Matrix3d::Identity()).ldlt().solve(fit.gradient);
     constraint.T_from_to = fit.T_map_base;
     if (off.head<2>().norm() < settings_.refinement.reach_m)
         constraint.T_from_to = {fit.T_map_base.x_m + off.x(), fit.T_map_base.y_m + off.y(),
@@ -41,7 +46,8 @@ std::optional<Constraint> Linker::match(const MapFrames& map, std::uint32_t from
 }
 
 /// The nearest frame of each earlier visit, a turn of 1 rad being as far as 1 m.
-std::vector<std::uint32_t> Linker::earlier_visits(const MapFrames& map, const ActiveMap& active, std::uint32_t frame) const {
+std::vector<std::uint32_t> Linker::earlier_visits(const MapFrames& map, const ActiveMap& active,
+                                                  std::uint32_t frame) const {
     std::vector<std::pair<double, std::uint32_t>> near;
     for (const std::uint32_t other : active.active()) {
         if (std::abs(map.path_m[frame] - map.path_m[other]) < settings_.earlier_m) continue;
@@ -63,12 +69,14 @@ std::vector<std::uint32_t> Linker::earlier_visits(const MapFrames& map, const Ac
 std::vector<Constraint> Linker::link(const MapFrames& map, const ActiveMap& active, std::uint32_t frame) {
     std::vector<std::uint32_t> others;
     for (const std::uint32_t back : settings_.steps_back)
-        if (frame >= back && map.distance_m(frame - back, frame) < settings_.max_distance_m) others.push_back(frame - back);
+        if (frame >= back && map.distance_m(frame - back, frame) < settings_.max_distance_m)
+            others.push_back(frame - back);
     for (const std::uint32_t other : earlier_visits(map, active, frame)) others.push_back(other);
     std::vector<Constraint> constraints;
     for (const std::uint32_t other : others) {
         if (!known_.insert(std::minmax(other, frame)).second) continue;
-        if (const auto constraint = match(map, std::min(other, frame), std::max(other, frame))) constraints.push_back(*constraint);
+        if (const auto constraint = match(map, std::min(other, frame), std::max(other, frame)))
+            constraints.push_back(*constraint);
     }
     return constraints;
 }

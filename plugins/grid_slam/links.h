@@ -1,5 +1,5 @@
-/// Constraints between single frames: each frame of the map is matched with a few that saw the same surfaces, some shortly
-/// before it and some on earlier visits.
+/// Constraints between single frames: each frame of the map is matched with a few that saw the same surfaces,
+/// some shortly before it and some on earlier visits.
 #pragma once
 
 #include <array>
@@ -17,14 +17,14 @@ namespace loopline::grid_slam {
 
 struct LinkSettings {
     std::array<std::uint32_t, 2> steps_back{1, 5};  ///< among the frames taken before
-    std::uint32_t beside = 2;       ///< frames before and after the other one whose surfaces are taken with it
-    double beside_m = 0.5;          ///< if no longer a way lies between
-    double max_distance_m = 4;      ///< between the places of two frames
-    double earlier_m = 5;           ///< way of the vehicle since a frame, from which on it is of an earlier visit
-    double visit_m = 2;             ///< way between two frames of different visits
-    int visits = 2;                 ///< earlier visits that a frame is matched with
-    double min_fit = 0.5;           ///< part of the returns on a surface of the other frame
-    int min_returns = 25;           ///< and how many there must be
+    std::uint32_t beside = 2;   ///< frames before and after the other one whose surfaces are taken with it
+    double beside_m = 0.5;      ///< if no longer a way lies between
+    double max_distance_m = 4;  ///< between the places of two frames
+    double earlier_m = 5;       ///< way of the vehicle since a frame, from which on it is of an earlier visit
+    double visit_m = 2;         ///< way between two frames of different visits
+    int visits = 2;             ///< earlier visits that a frame is matched with
+    double min_fit = 0.5;       ///< part of the returns on a surface of the other frame
+    int min_returns = 25;       ///< and how many there must be
     grid_map::RefinementSettings refinement;
 };
 
@@ -44,7 +44,8 @@ class Linker {
     friend void fields(Archive&, Linker&);
     static constexpr double bucket_m = 0.2;
     void take_surfaces(const MapFrames& map, std::uint32_t from, std::uint32_t to);
-    std::vector<std::uint32_t> earlier_visits(const MapFrames& map, const ActiveMap& active, std::uint32_t frame) const;
+    std::vector<std::uint32_t> earlier_visits(const MapFrames& map, const ActiveMap& active,
+                                              std::uint32_t frame) const;
 
     LinkSettings settings_;
     std::set<std::pair<std::uint32_t, std::uint32_t>> known_;  ///< pairs that were tried

@@ -8,11 +8,13 @@ namespace {
 
 /// A frame as if it had been taken from another place.
 void append_moved(const grid_map::Frame& frame, const Pose2& T_to_from, grid_map::Frame& to) {
-    const auto c = static_cast<float>(std::cos(T_to_from.phi_rad)), s = static_cast<float>(std::sin(T_to_from.phi_rad)),
-               x = static_cast<float>(T_to_from.x_m), y = static_cast<float>(T_to_from.y_m);
+    const auto c = static_cast<float>(std::cos(T_to_from.phi_rad)),
+               s = static_cast<float>(std::sin(T_to_from.phi_rad)), x = static_cast<float>(T_to_from.x_m),
+               y = static_cast<float>(T_to_from.y_m);
     for (const auto& p : frame.points)
-        to.points.push_back({{x + c * p.p_base_m.x() - s * p.p_base_m.y(), y + s * p.p_base_m.x() + c * p.p_base_m.y()},
-                             {c * p.normal_base.x() - s * p.normal_base.y(), s * p.normal_base.x() + c * p.normal_base.y()}});
+        to.points.push_back(
+            {{x + c * p.p_base_m.x() - s * p.p_base_m.y(), y + s * p.p_base_m.x() + c * p.p_base_m.y()},
+             {c * p.normal_base.x() - s * p.normal_base.y(), s * p.normal_base.x() + c * p.normal_base.y()}});
 }
 
 /// Standard deviation of the position along the direction that is held least, whatever the heading.
@@ -28,16 +30,19 @@ double sigma_of_weakest_direction_m(const Eigen::Matrix3d& information) {
 }  // namespace
 
 /// The nearest frame that is not active, among those that the vehicle may be near.
-std::optional<std::uint32_t> LoopSearch::candidate(const MapFrames& map, const ActiveMap& active, const Neighbourhood& neighbourhood) {
+std::optional<std::uint32_t> LoopSearch::candidate(const MapFrames& map, const ActiveMap& active,
+                                                   const Neighbourhood& neighbourhood) {
     const std::uint32_t now = map.last();
     const auto may_be_near = [&](std::uint32_t frame, double sigma_m) {
         return map.distance_m(frame, now) < settings_.reach_m + settings_.window_sigmas * sigma_m;
     };
-    // Errors grow by less than this part of the way: most of the time nothing is near, and no more needs to be known.
+    // Errors grow by less than this part of the way: most of the time nothing is near, and no more needs to
+    // be known.
     constexpr double growth = 0.05;
     const double at_most_m = largest_sigma_m_ + growth * (map.path_m[now] - known_at_m_);
     bool any = false;
-    for (std::uint32_t frame = 0; frame < now && !any; ++frame) any = !active.is_active(frame) && may_be_near(frame, at_most_m);
+    for (std::uint32_t frame = 0; frame < now && !any; ++frame)
+        any = !active.is_active(frame) && may_be_near(frame, at_most_m);
     if (!any) return std::nullopt;
 
     relative_uncertainty(neighbourhood, map.poses, now, RelativeUncertainty::unknown, uncertainty_);
@@ -48,7 +53,8 @@ std::optional<std::uint32_t> LoopSearch::candidate(const MapFrames& map, const A
 
     std::optional<Candidate> best;
     for (std::uint32_t frame = 0; frame < now; ++frame) {
-        if (active.is_active(frame) || !may_be_near(frame, std::sqrt(uncertainty_.variance_m2[frame]))) continue;
+        if (active.is_active(frame) || !may_be_near(frame, std::sqrt(uncertainty_.variance_m2[frame])))
+            continue;
         // A view from the same side is worth a way of two metres for a radian.
         const double away = map.distance_m(frame, now) + 2 * map.turn_rad(frame, now);
         if (!best || away < best->away) best = Candidate{frame, away};
@@ -73,20 +79,23 @@ grid_map::SearchWindow LoopSearch::window(const MapFrames& map, std::uint32_t ol
     window.T_map_center = map.poses[old_frame].inverse() * map.poses[map.last()];
     const double sigma_m = std::sqrt(uncertainty_.variance_m2[old_frame]),
                  sigma_rad = std::sqrt(uncertainty_.covariance[old_frame](2, 2));
-    window.cells_x = window.cells_y = static_cast<int>(
-        std::ceil(std::min(settings_.max_window_m, settings_.window_sigmas * sigma_m + 0.2) / settings_.cell_m));
+    window.cells_x = window.cells_y = static_cast<int>(std::ceil(
+        std::min(settings_.max_window_m, settings_.window_sigmas * sigma_m + 0.2) / settings_.cell_m));
     window.heading_step_rad = 0.5 * M_PI / 180;
-    window.headings = static_cast<int>(std::ceil(
-        std::min(settings_.max_window_rad, settings_.window_sigmas * sigma_rad + 0.02) / window.heading_step_rad));
+    window.headings = static_cast<int>(
+        std::ceil(std::min(settings_.max_window_rad, settings_.window_sigmas * sigma_rad + 0.02) /
+                  window.heading_step_rad));
     return window;
 }
 
 /// Why a match can't be trusted; empty if nothing speaks against it.
-std::string LoopSearch::objection(const grid_map::ScanGrid& old_map, const std::vector<Eigen::Vector2f>& points,
-                                  grid_map::SearchWindow window, const grid_map::SearchResult& found,
-                                  const grid_map::ScanFit& fit, LoopRecord& record) const {
+std::string LoopSearch::objection(const grid_map::ScanGrid& old_map,
+                                  const std::vector<Eigen::Vector2f>& points, grid_map::SearchWindow window,
+                                  const grid_map::SearchResult& found, const grid_map::ScanFit& fit,
+                                  LoopRecord& record) const {
     if (fit.fit < settings_.min_fit) return "too few returns lie on surfaces of the old map";
-    if (!(sigma_of_weakest_direction_m(settings_.information_share * fit.information) < settings_.max_sigma_m))
+    if (!(sigma_of_weakest_direction_m(settings_.information_share * fit.information) <
+          settings_.max_sigma_m))
         return "the scans don't hold the pose in all directions";
     const int apart = static_cast<int>(settings_.rival_m / old_map.cell_m());
     window.without = grid_map::SearchWindow::Exclusion{found.dx_cells, found.dy_cells, found.heading, apart,
@@ -99,7 +108,8 @@ std::string LoopSearch::objection(const grid_map::ScanGrid& old_map, const std::
     return {};
 }
 
-std::optional<Constraint> LoopSearch::match(const MapFrames& map, const ActiveMap& active, std::uint32_t old_frame) {
+std::optional<Constraint> LoopSearch::match(const MapFrames& map, const ActiveMap& active,
+                                            std::uint32_t old_frame) {
     const std::uint32_t now = map.last();
     grid_map::ScanGridSettings grid;
     grid.cell_m = settings_.cell_m;
@@ -107,13 +117,15 @@ std::optional<Constraint> LoopSearch::match(const MapFrames& map, const ActiveMa
     grid_map::ScanGrid old_map(grid);
     const Pose2 T_old_map = map.poses[old_frame].inverse();
     for (std::uint32_t frame = 0; frame < now; ++frame)
-        if (std::abs(map.path_m[frame] - map.path_m[old_frame]) < settings_.old_map_m && !active.is_active(frame))
+        if (std::abs(map.path_m[frame] - map.path_m[old_frame]) < settings_.old_map_m &&
+            !active.is_active(frame))
             old_map.insert(map.frames[frame], T_old_map * map.poses[frame]);
 
     const grid_map::Frame latest = latest_frames(map);
     const auto points = grid_map::search_points(latest, static_cast<std::size_t>(settings_.search_points));
     grid_map::SearchWindow where = window(map, old_frame);
-    where.min_score = static_cast<int>(settings_.min_likelihood * grid_map::ScanGrid::full_likelihood * static_cast<double>(points.size()));
+    where.min_score = static_cast<int>(settings_.min_likelihood * grid_map::ScanGrid::full_likelihood *
+                                       static_cast<double>(points.size()));
     const auto found = grid_map::branch_and_bound(old_map, points, where);
     if (!found) return std::nullopt;
 
@@ -124,7 +136,8 @@ std::optional<Constraint> LoopSearch::match(const MapFrames& map, const ActiveMa
     record.likelihood = found->fit;
     record.sigma_m = std::sqrt(uncertainty_.variance_m2[old_frame]);
     record.sigma_rad = std::sqrt(uncertainty_.covariance[old_frame](2, 2));
-    const auto fit = grid_map::refine(old_map, latest, found->T_map_base, found->T_map_base, Eigen::Matrix3d::Zero(), settings_.refinement);
+    const auto fit = grid_map::refine(old_map, latest, found->T_map_base, found->T_map_base,
+                                      Eigen::Matrix3d::Zero(), settings_.refinement);
     record.fit = fit.fit;
     record.shift << fit.T_map_base.x_m - where.T_map_center.x_m, fit.T_map_base.y_m - where.T_map_center.y_m,
         wrap_to_pi(fit.T_map_base.phi_rad - where.T_map_center.phi_rad);
@@ -133,13 +146,15 @@ std::optional<Constraint> LoopSearch::match(const MapFrames& map, const ActiveMa
     if (record.reason.empty()) {
         record.decision = LoopRecord::Decision::waits;
         record.reason = "waits for a second match that agrees";
-        constraint = Constraint{old_frame, now, fit.T_map_base, settings_.information_share * fit.information, Constraint::Kind::loop};
+        constraint = Constraint{old_frame, now, fit.T_map_base, settings_.information_share * fit.information,
+                                Constraint::Kind::loop};
     }
     records_.push_back(record);
     return constraint;
 }
 
-std::vector<Constraint> LoopSearch::look(const MapFrames& map, const ActiveMap& active, const Neighbourhood& neighbourhood) {
+std::vector<Constraint> LoopSearch::look(const MapFrames& map, const ActiveMap& active,
+                                         const Neighbourhood& neighbourhood) {
     const double way_m = map.path_m[map.last()];
     if (way_m - looked_at_m_ < settings_.every_m * (pending_.empty() ? 1 : 0.5)) return {};
     looked_at_m_ = way_m;
@@ -152,9 +167,11 @@ std::vector<Constraint> LoopSearch::look(const MapFrames& map, const ActiveMap& 
         if (way_m - map.path_m[other.to] > settings_.agree_within_m) continue;
         // Both put the vehicle on the old map: what it drove between them must be the same.
         const Pose2 T_then_now = map.poses[other.to].inverse() * map.poses[found->to];
-        const Pose2 by_loops = (map.poses[other.from] * other.T_from_to).inverse() * (map.poses[found->from] * found->T_from_to);
+        const Pose2 by_loops =
+            (map.poses[other.from] * other.T_from_to).inverse() * (map.poses[found->from] * found->T_from_to);
         const Pose2 apart = T_then_now.inverse() * by_loops;
-        if (apart.translation().norm() < settings_.agree_m && std::abs(apart.phi_rad) < settings_.agree_rad) loop.push_back(other);
+        if (apart.translation().norm() < settings_.agree_m && std::abs(apart.phi_rad) < settings_.agree_rad)
+            loop.push_back(other);
     }
     pending_.push_back(*found);
     if (loop.empty()) return {};

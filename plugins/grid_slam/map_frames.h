@@ -14,16 +14,16 @@ namespace loopline::grid_slam {
 /// Frames by index; all vectors are of one length.
 struct MapFrames {
     std::vector<grid_map::Frame> frames;
-    std::vector<Pose2> poses;         ///< T_map_base
-    std::vector<double> path_m;       ///< way of the vehicle when it was taken
-    std::vector<std::uint64_t> scans; ///< which scan of the log it was
+    std::vector<Pose2> poses;          ///< T_map_base
+    std::vector<double> path_m;        ///< way of the vehicle when it was taken
+    std::vector<std::uint64_t> scans;  ///< which scan of the log it was
     std::vector<StampNs> stamps_ns;
-    std::vector<Motion> motions;      ///< from the frame before, as navigation tells it without scans
+    std::vector<Motion> motions;  ///< from the frame before, as navigation tells it without scans
 
     std::size_t size() const { return frames.size(); }
     std::uint32_t last() const { return static_cast<std::uint32_t>(frames.size() - 1); }
-    std::uint32_t add(grid_map::Frame frame, const Pose2& T_map_base, double way_m, std::uint64_t scan, StampNs stamp_ns,
-                      const Motion& motion) {
+    std::uint32_t add(grid_map::Frame frame, const Pose2& T_map_base, double way_m, std::uint64_t scan,
+                      StampNs stamp_ns, const Motion& motion) {
         frames.push_back(std::move(frame));
         poses.push_back(T_map_base);
         path_m.push_back(way_m);

@@ -16,6 +16,15 @@ inline Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, double phi_rad)
     return turn * covariance * turn.transpose();
 }
 
+/// What an error of (x, y, phi) is at a place that lies `way_m` from it: the heading's error turns the way.
+/// Both along the same axes.
+inline Eigen::Matrix3d carried_by(const Eigen::Vector2d& way_m) {
+    Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
+    carried(0, 2) = -way_m.y();
+    carried(1, 2) = way_m.x();
+    return carried;
+}
+
 struct Motion {
     Pose2 T_before_now;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, phi), along the axes of `before`
@@ -26,12 +35,9 @@ inline Motion operator*(const Motion& a_b, const Motion& b_c) {
     const double c = std::cos(a_b.T_before_now.phi_rad), s = std::sin(a_b.T_before_now.phi_rad);
     const Eigen::Vector2d way(c * b_c.T_before_now.x_m - s * b_c.T_before_now.y_m,
                               s * b_c.T_before_now.x_m + c * b_c.T_before_now.y_m);
-    Eigen::Matrix3d carried = Eigen::Matrix3d::Identity(), turned = Eigen::Matrix3d::Identity();
-    carried(0, 2) = -way.y();
-    carried(1, 2) = way.x();
-    turned.topLeftCorner<2, 2>() << c, -s, s, c;
-    return {a_b.T_before_now * b_c.T_before_now,
-            carried * a_b.covariance * carried.transpose() + turned * b_c.covariance * turned.transpose()};
+    const Eigen::Matrix3d carried = carried_by(way);
+    return {a_b.T_before_now * b_c.T_before_now, carried * a_b.covariance * carried.transpose() +
+                                                     turned(b_c.covariance, a_b.T_before_now.phi_rad)};
 }
 
 /// The way back: T_now_before, along the axes of `now`.
@@ -47,20 +53,21 @@ inline Motion inverse(const Motion& motion) {
     return {T_now_before, by * motion.covariance * by.transpose()};
 }
 
-/// How far wheels can be trusted; standard deviations grow in proportion to the motion between two scans, since what
-/// wheels get wrong they get wrong all along.
+/// How far wheels can be trusted; standard deviations grow in proportion to the motion between two scans,
+/// since what wheels get wrong they get wrong all along.
 struct WheelNoise {
-    double sigma_rest_m = 0.02;                         ///< without any motion
-    double sigma_way_m = 0.1;                           ///< after 1 m
-    double sigma_rest_rad = 2 * M_PI / 180;           ///< without any motion
-    double sigma_turn = 0.1;                            ///< of a turn, as a part of it
-    double sigma_way_rad = 3 * M_PI / 180;              ///< after 1 m
+    double sigma_rest_m = 0.02;              ///< without any motion
+    double sigma_way_m = 0.1;                ///< after 1 m
+    double sigma_rest_rad = 2 * M_PI / 180;  ///< without any motion
+    double sigma_turn = 0.1;                 ///< of a turn, as a part of it
+    double sigma_way_rad = 3 * M_PI / 180;   ///< after 1 m
 };
 
 inline Motion wheel_motion(const Pose2& T_before_now, const WheelNoise& noise) {
     const double way_m = T_before_now.translation().norm();
     const double sigma_m = noise.sigma_rest_m + noise.sigma_way_m * way_m,
-                 sigma_rad = noise.sigma_rest_rad + noise.sigma_turn * std::abs(T_before_now.phi_rad) + noise.sigma_way_rad * way_m;
+                 sigma_rad = noise.sigma_rest_rad + noise.sigma_turn * std::abs(T_before_now.phi_rad) +
+                             noise.sigma_way_rad * way_m;
     Motion motion{T_before_now, Eigen::Matrix3d::Zero()};
     motion.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
     return motion;

@@ -1,5 +1,5 @@
-/// Where the vehicle should be at a scan, before looking at it: by its wheels, by inertial navigation, or by both
-/// (rows B3 and B4 of the method). What the scans say then is fed back.
+/// Where the vehicle should be at a scan, before looking at it: by its wheels, by inertial navigation, or by
+/// both (rows B3 and B4 of the method). What the scans say then is fed back.
 #pragma once
 
 #include "api/stamp.h"
@@ -11,9 +11,10 @@ namespace loopline::grid_slam {
 struct Prediction {
     StampNs stamp_ns = 0;
     Pose2 T_map_base;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, phi) about the map around it, map axes
-    Motion motion;                                         ///< since the scan before, without what scans say
-    double duration_s = 0;                                 ///< since the scan before
+    Eigen::Matrix3d covariance =
+        Eigen::Matrix3d::Zero();  ///< of (x, y, phi) about the map around it, map axes
+    Motion motion;                ///< since the scan before, without what scans say
+    double duration_s = 0;        ///< since the scan before
 };
 
 /// What scans say about the pose errs as a whole with the map around it, so it is not new at each scan.

@@ -49,7 +49,8 @@ class GraphOptimiser::NormalEquations {
         entries_.reserve(constraints.size() * 27);
     }
 
-    double build(const std::vector<Pose2>& poses, const std::vector<Constraint>& constraints, const GraphSettings& settings) {
+    double build(const std::vector<Pose2>& poses, const std::vector<Constraint>& constraints,
+                 const GraphSettings& settings) {
         entries_.clear();
         gradient_.setZero();
         const double scale2 = settings.loss_scale * settings.loss_scale;
@@ -81,7 +82,8 @@ class GraphOptimiser::NormalEquations {
  private:
     void add(std::uint32_t row_pose, std::uint32_t column_pose, const Eigen::Matrix3d& block) {
         if (row_pose == 0 || column_pose == 0) return;
-        const auto row = static_cast<int>(3 * (row_pose - 1)), column = static_cast<int>(3 * (column_pose - 1));
+        const auto row = static_cast<int>(3 * (row_pose - 1)),
+                   column = static_cast<int>(3 * (column_pose - 1));
         for (int r = 0; r < 3; ++r)
             for (int c = 0; c < 3; ++c)
                 if (row + r >= column + c) entries_.emplace_back(row + r, column + c, block(r, c));
@@ -111,11 +113,13 @@ struct GraphOptimiser::Solver {
     }
 };
 
-GraphOptimiser::GraphOptimiser(std::vector<Pose2> poses, std::vector<Constraint> constraints, const GraphSettings& settings)
+GraphOptimiser::GraphOptimiser(std::vector<Pose2> poses, std::vector<Constraint> constraints,
+                               const GraphSettings& settings)
     : poses_(std::move(poses)),
       constraints_(std::move(constraints)),
       settings_(settings),
-      solver_(std::make_unique<Solver>(NormalEquations(std::max<std::size_t>(poses_.size(), 1), constraints_))) {
+      solver_(
+          std::make_unique<Solver>(NormalEquations(std::max<std::size_t>(poses_.size(), 1), constraints_))) {
     good_ = poses_.size() >= 2 && !constraints_.empty();
 }
 GraphOptimiser::~GraphOptimiser() = default;

@@ -1,5 +1,5 @@
-/// Poses and what was measured between them: the most likely poses given all of it (Lu and Milios 1997), by sparse least
-/// squares.
+/// Poses and what was measured between them: the most likely poses given all of it (Lu and Milios 1997), by
+/// sparse least squares.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,11 +29,12 @@ struct GraphSettings {
     double loss_scale = 3;   ///< residual in sigmas at which a match begins to count less (Cauchy)
 };
 
-/// Gauss-Newton on all poses but the first one, which stays. An iteration is a step of its own, so that a run can go on
-/// between two of them.
+/// Gauss-Newton on all poses but the first one, which stays. An iteration is a step of its own, so that a run
+/// can go on between two of them.
 class GraphOptimiser {
  public:
-    GraphOptimiser(std::vector<Pose2> poses, std::vector<Constraint> constraints, const GraphSettings& settings);
+    GraphOptimiser(std::vector<Pose2> poses, std::vector<Constraint> constraints,
+                   const GraphSettings& settings);
     ~GraphOptimiser();
     GraphOptimiser(GraphOptimiser&&) noexcept;
     GraphOptimiser& operator=(GraphOptimiser&&) noexcept;

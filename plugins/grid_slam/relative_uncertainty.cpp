@@ -17,17 +17,21 @@ double larger_variance(const Eigen::Matrix3d& c) {
 
 void Neighbourhood::add(const Constraint& constraint, const Pose2& T_map_from) {
     // What is not known at all gets a large variance, not an infinite one.
-    const Eigen::Matrix3d information = constraint.information + Eigen::Vector3d(1e-2, 1e-2, 1e-1).asDiagonal().toDenseMatrix();
+    const Eigen::Matrix3d information =
+        constraint.information + Eigen::Vector3d(1e-2, 1e-2, 1e-1).asDiagonal().toDenseMatrix();
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
     const double c = std::cos(T_map_from.phi_rad), s = std::sin(T_map_from.phi_rad);
     turn.topLeftCorner<2, 2>() << c, -s, s, c;
     const Eigen::Matrix3d covariance = turn * information.inverse() * turn.transpose();
     edges_[constraint.from].push_back({constraint.to, covariance});
-    edges_[constraint.to].push_back({constraint.from, covariance});
+    // Gone backward, the error of its heading turns its own way.
+    const Eigen::Vector2d way_map_m = turn.topLeftCorner<2, 2>() * constraint.T_from_to.translation();
+    const Eigen::Matrix3d back = carried_by(-way_map_m);
+    edges_[constraint.to].push_back({constraint.from, back * covariance * back.transpose()});
 }
 
-void relative_uncertainty(const Neighbourhood& graph, const std::vector<Pose2>& poses, std::uint32_t origin, double limit_m2,
-                          RelativeUncertainty& result) {
+void relative_uncertainty(const Neighbourhood& graph, const std::vector<Pose2>& poses, std::uint32_t origin,
+                          double limit_m2, RelativeUncertainty& result) {
     const std::size_t n = graph.size();
     result.variance_m2.assign(n, RelativeUncertainty::unknown);
     result.covariance.resize(n);
@@ -48,10 +52,10 @@ void relative_uncertainty(const Neighbourhood& graph, const std::vector<Pose2>& 
         for (const auto& edge : graph.of(frame)) {
             if (settled[edge.other]) continue;
             // The heading's error turns the way to the next frame.
-            Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
-            carried(0, 2) = -(poses[edge.other].y_m - poses[frame].y_m);
-            carried(1, 2) = poses[edge.other].x_m - poses[frame].x_m;
-            const Eigen::Matrix3d covariance = carried * result.covariance[frame] * carried.transpose() + edge.covariance;
+            const Eigen::Matrix3d carried =
+                carried_by(poses[edge.other].translation() - poses[frame].translation());
+            const Eigen::Matrix3d covariance =
+                carried * result.covariance[frame] * carried.transpose() + edge.covariance;
             const double next = larger_variance(covariance);
             if (next >= limit_m2 || next >= result.variance_m2[edge.other]) continue;
             result.variance_m2[edge.other] = next;

@@ -23,16 +23,16 @@ PassResult reverse_pass(const MapFrames& map, const std::vector<std::uint32_t>& 
         // 5.2: where the navigation leads back to; 5.1: what the scan says there; 5.3: both.
         const Motion back = navigation.motion_back(frame);
         const Pose2& T_map_after = result.poses.back();
-        const Motion there = Motion{T_map_after, Eigen::Matrix3d::Zero()} *
-                             Motion{back.T_before_now, back.covariance};
-        const ForwardMatch match = match_forward(grid, map.frames[frame], there.T_before_now, there.covariance, settings);
+        const Motion there = Motion{T_map_after, Eigen::Matrix3d::Zero()} * back;
+        const ForwardMatch match =
+            match_forward(grid, map.frames[frame], there.T_before_now, there.covariance, settings);
         navigation.update(match);
         grid.insert(map.frames[frame], match.T_map_base);
         // The error of the pose after it turns the way to this one; what the step adds is its own.
-        Eigen::Matrix3d carried = Eigen::Matrix3d::Identity();
-        carried(0, 2) = -(match.T_map_base.y_m - T_map_after.y_m);
-        carried(1, 2) = match.T_map_base.x_m - T_map_after.x_m;
-        result.covariances.push_back(carried * result.covariances.back() * carried.transpose() + match.covariance);
+        const Eigen::Matrix3d carried =
+            carried_by(match.T_map_base.translation() - T_map_after.translation());
+        result.covariances.push_back(carried * result.covariances.back() * carried.transpose() +
+                                     match.covariance);
         result.poses.push_back(match.T_map_base);
     }
     std::reverse(result.poses.begin(), result.poses.end());

@@ -1,5 +1,6 @@
-/// From the end of a loop back to its beginning (rows B7 to B9 of the method): the same scans in reverse order, each
-/// matched with the old map and with those that came after it, from the pose that closing the loop gave.
+/// From the end of a loop back to its beginning (rows B7 to B9 of the method): the same scans in reverse
+/// order, each matched with the old map and with those that came after it, from the pose that closing the
+/// loop gave.
 #pragma once
 
 #include <vector>
@@ -12,8 +13,8 @@ namespace loopline::grid_slam {
 /// A loop: from frame `first` of the old map to frame `last`, whose pose the old map gives.
 struct Loop {
     std::uint32_t first = 0, last = 0;
-    Pose2 T_map_last;                                          ///< of `last`, by the old map
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();      ///< of it, given `first`; map axes
+    Pose2 T_map_last;                                      ///< of `last`, by the old map
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of it, given `first`; map axes
 };
 
 /// Poses and covariances of the frames first .. last; the covariances given `first`, map axes.
@@ -22,8 +23,8 @@ struct PassResult {
     std::vector<Eigen::Matrix3d> covariances;
 };
 
-/// Motion between two neighbouring frames by navigation, backwards: navigation that can't go back (wheels) has the inverse of
-/// its way forward.
+/// Motion between two neighbouring frames by navigation, backwards: navigation that can't go back (wheels)
+/// has the inverse of its way forward.
 class ReverseNavigation {
  public:
     virtual ~ReverseNavigation() = default;

@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "inertial/chi_square.h"
+#include "least_squares/chi_square.h"
 
 namespace loopline::inertial {
 namespace {
@@ -44,7 +44,7 @@ UpdateResult ErrorStateFilter::update(const ErrorMeasurement& measurement, doubl
 
     result.status = UpdateResult::Status::gated;
     if (gate_probability < no_gate &&
-        result.nis > chi_square_quantile(result.degrees_of_freedom, gate_probability))
+        result.nis > least_squares::chi_square_quantile(result.degrees_of_freedom, gate_probability))
         return result;
 
     result.status = UpdateResult::Status::accepted;

@@ -15,7 +15,9 @@ namespace {
 
 constexpr double deg = M_PI / 180;
 /// Of a scan, ten a second.
-StampNs stamp(std::size_t k) { return static_cast<StampNs>(k) * 100'000'000; }
+StampNs stamp(std::size_t k) {
+    return static_cast<StampNs>(k) * 100'000'000;
+}
 
 /// A drive as the search for loops sees it: frames at dead-reckoned poses, chained by their motions.
 class DeadReckonedDrive {
@@ -158,11 +160,13 @@ struct Path {
     std::size_t loops = 0;
 };
 
-Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed) {
+Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed, Weights weights = Weights::joint) {
     std::mt19937_64 random(seed);
     const auto world = test::ring_building();
     const auto motions = test::noisy_motions(truth, {0.01, 0.01, 0.3 * deg}, random);
-    GridSlam slam{GridSlamSettings{}};
+    GridSlamSettings settings;
+    settings.weights = weights;
+    GridSlam slam{settings};
     Motion before;  // the pose at the scan before, and how well it is known
     for (std::size_t k = 0; k < truth.size(); ++k) {
         if (const auto T_new_old = slam.advance()) before.T_before_now = *T_new_old * before.T_before_now;
@@ -173,7 +177,8 @@ Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed) {
         const Motion now = before * prediction.motion;
         prediction.T_map_base = now.T_before_now;
         prediction.covariance = now.covariance;
-        const ScanPose pose = slam.add(grid_map_world::scan_at(world, truth[k], sensor_270, random), prediction);
+        const ScanPose pose =
+            slam.add(grid_map_world::scan_at(world, truth[k], sensor_270, random), prediction);
         before = {pose.T_map_base, pose.match.covariance};
     }
     slam.finish();
@@ -203,6 +208,19 @@ TEST(GridSlam, gives_the_path_of_a_ring_and_the_same_bytes_each_time) {
     EXPECT_LT(std::sqrt(squares / static_cast<double>(truth.size())), 0.02);
     EXPECT_LT(worst_rad, 0.3 * deg);
     EXPECT_GE(path.loops, 1U);
+}
+
+TEST(GridSlam, corrects_a_ring_by_going_back_through_it) {
+    const auto truth = test::drive_along(once_around, 0.1, 5 * deg);
+    const Pose2 T_map_world = truth[0].inverse();
+    for (const Weights weights : {Weights::linear, Weights::covariance}) {
+        const Path path = path_of_ring(truth, 1, weights);
+        double squares = 0;
+        for (std::size_t k = 0; k < truth.size(); ++k)
+            squares += (path.poses[k].translation() - (T_map_world * truth[k]).translation()).squaredNorm();
+        EXPECT_LT(std::sqrt(squares / static_cast<double>(truth.size())), 0.03);
+        EXPECT_GE(path.loops, 1U);
+    }
 }
 
 }  // namespace
