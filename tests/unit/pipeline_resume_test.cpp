@@ -38,6 +38,16 @@ TEST(Resume, so_it_does_where_a_step_of_the_filter_takes_seven_scans) {
     expect_same_after_breaks("checkpoint_items = 4\n" + chain + "[line_slam]\ninterval_scans = 7\n");
 }
 
+TEST(Resume, so_does_one_that_maps_on_a_grid_and_closes_its_loops_either_way) {
+    const std::string grid = "checkpoint_items = 16\nmodules = odometry grid_slam\nmaps = grid\n[grid_slam]\n";
+    expect_same_after_breaks(grid + "weights = joint\n");
+    const BrokenRuns runs(telecom_log, grid + "weights = covariance\n");
+    ASSERT_EQ(runs.run("whole", false), 0);
+    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 400), 137);
+    EXPECT_EQ(runs.run("broken", true), 0);
+    runs.expect_same("broken", "whole");
+}
+
 TEST(Resume, so_it_does_on_a_long_log_with_a_recording_of_several_blocks) {
     if (!std::filesystem::exists(simul_log)) GTEST_SKIP() << simul_log << " is not there";
     const BrokenRuns runs(simul_log,
