@@ -114,8 +114,8 @@ void ScanGrid::settle() {
         // Level 1 covers four cells to each side, a coarser one two even blocks of the level below it.
         const int parts = h == 1 ? 4 : 2, stride = h == 1 ? 1 : 2;
         for (const auto& [tx, ty] : unsettled_)
-            for (int y = ((ty << bits) >> h) - 1; y <= ((ty << bits) + side - 1) >> h; ++y)
-                for (int x = ((tx << bits) >> h) - 1; x <= ((tx << bits) + side - 1) >> h; ++x) {
+            for (int y = ((ty * side) >> h) - 1; y <= (ty * side + side - 1) >> h; ++y)
+                for (int x = ((tx * side) >> h) - 1; x <= (tx * side + side - 1) >> h; ++x) {
                     std::uint8_t best = 0;
                     for (int dy = 0; dy < parts; ++dy)
                         for (int dx = 0; dx < parts; ++dx)

@@ -55,10 +55,10 @@ class SparseArray {
             for (int tx = x0 >> tile_bits; tx <= x1 >> tile_bits; ++tx) {
                 const Tile* tile = find_tile(tx, ty);
                 if (tile == nullptr) continue;
-                const int left = std::max(x0, tx << tile_bits),
-                          right = std::min(x1, (tx << tile_bits) + tile_side - 1),
-                          bottom = std::max(y0, ty << tile_bits),
-                          top = std::min(y1, (ty << tile_bits) + tile_side - 1);
+                const int left = std::max(x0, tx * tile_side),
+                          right = std::min(x1, tx * tile_side + tile_side - 1),
+                          bottom = std::max(y0, ty * tile_side),
+                          top = std::min(y1, ty * tile_side + tile_side - 1);
                 for (int y = bottom; y <= top; ++y) {
                     const T* row = &(*tile)[cell_in_tile(left, y)];
                     for (int x = left; x <= right; ++x) visit(x, y, row[x - left]);
@@ -78,8 +78,8 @@ class SparseArray {
             for (int t = 0; t < block_side * block_side; ++t) {
                 const auto& tile = (*block)[static_cast<std::size_t>(t)];
                 if (tile == nullptr) continue;
-                const int x0 = ((key.first << block_bits) + t % block_side) << tile_bits,
-                          y0 = ((key.second << block_bits) + t / block_side) << tile_bits;
+                const int x0 = (key.first * block_side + t % block_side) * tile_side,
+                          y0 = (key.second * block_side + t / block_side) * tile_side;
                 for (int c = 0; c < tile_side * tile_side; ++c)
                     visit(x0 + c % tile_side, y0 + c / tile_side, (*tile)[static_cast<std::size_t>(c)]);
             }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "inertial/rotation_vector.h"
 #include "odometry/twist2.h"
 
 namespace loopline::grid_slam {
@@ -115,7 +116,7 @@ void InertialNavigation::try_to_align() {
         const Eigen::Vector3d up = mean.specific_force_base_mps2.normalized();
         alignment.state.q_map_base =
             Eigen::Quaterniond(Eigen::AngleAxisd(T_map_base_.phi_rad, Eigen::Vector3d::UnitZ())) *
-            Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+            inertial::upright(up);
         alignment.state.p_map_m = Eigen::Vector3d(T_map_base_.x_m, T_map_base_.y_m, 0) +
                                   alignment.state.q_map_base * place_.p_base_imu_m;
         alignment.state.v_map_mps.setZero();

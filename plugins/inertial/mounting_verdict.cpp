@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "inertial/imu_verdict.h"
+#include "inertial/rotation_vector.h"
 #include "inertial/words.h"
 
 namespace loopline::inertial {
@@ -18,12 +19,6 @@ double degrees(double rad) {
 
 double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return degrees(std::atan2(a.cross(b).norm(), a.dot(b)));
-}
-
-/// The least rotation that turns `up_base` to z; where that is half a turn, about x.
-Eigen::Matrix3d righting(const Eigen::Vector3d& up_base) {
-    if (up_base.z() < -0.999) return Eigen::Vector3d(1, -1, -1).asDiagonal();
-    return Eigen::Quaterniond::FromTwoVectors(up_base, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
 /// The axis of the vehicle that is within a few degrees, which floors lean by as well; else the direction
@@ -65,7 +60,7 @@ std::string mount_section(const std::string& label) {
 
 /// The whole mount, with the yaw where driving has shown it.
 std::string mount_advice(const ImuCheck& check, const Eigen::Vector3d& up_base, const std::string& label) {
-    const Eigen::Matrix3d R_upright = righting(nearest_axis(up_base));
+    const Eigen::Matrix3d R_upright = upright(nearest_axis(up_base)).toRotationMatrix();
     const auto yaw = well_known_yaw(check, R_upright);
     if (!yaw)
         return mount_section(label) + mount_keys(R_upright * check.R_base_imu()) +

@@ -43,4 +43,10 @@ inline Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& turn_rad) {
     return Eigen::Matrix3d::Identity() + b * W + c * W * W;
 }
 
+/// The least rotation that turns the unit vector `up` to z; where it points straight down, half a turn about x.
+inline Eigen::Quaterniond upright(const Eigen::Vector3d& up) {
+    const Eigen::Quaterniond q(1 + up.z(), up.y(), -up.x(), 0);  // (1 + up . z, up x z), twice the half angle
+    return q.norm() > 1e-6 ? q.normalized() : Eigen::Quaterniond(0, 1, 0, 0);
+}
+
 }  // namespace loopline::inertial
