@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds and runs the tests; the last line is "N passed, N failed".
 #   ./test.sh             the release build
-#   ./test.sh --sanitize  the same tests but for the statistical ones, with a program that has AddressSanitizer and
+#   ./test.sh --sanitize  tests/unit, tests/property and tests/fuzz, with a program that has AddressSanitizer and
 #                         UndefinedBehaviorSanitizer
 source "$(dirname "${BASH_SOURCE[0]}")/cmake/prepare.sh"
 

@@ -111,4 +111,23 @@ class BrokenRuns {
     std::string ini_;
 };
 
+/// Killed and interrupted early, midway and late; then taken up again.
+inline void expect_same_after_breaks(const std::string& ini, const std::string& log = telecom_log,
+                              std::uint64_t last_item = 448) {
+    const BrokenRuns runs(log, ini);
+    ASSERT_EQ(runs.run("whole", false), 0);
+    EXPECT_FALSE(std::filesystem::exists(runs.checkpoint("whole")));
+    for (const Break kind : {Break::kill_worker, Break::kill_all, Break::interrupt})
+        for (const double part : {0.1, 0.5, 0.93}) {
+            const auto at = static_cast<std::uint64_t>(part * double(last_item));
+            SCOPED_TRACE("broken off at item " + std::to_string(at));
+            const int code = runs.run("broken", false, kind, at);
+            EXPECT_EQ(code, kind == Break::interrupt ? 130 : 137);
+            EXPECT_TRUE(std::filesystem::exists(runs.checkpoint("broken")));
+            EXPECT_EQ(runs.run("broken", true), 0);
+            runs.expect_same("broken", "whole");
+            std::filesystem::remove_all(runs.path("broken"));
+        }
+}
+
 }  // namespace loopline::testing

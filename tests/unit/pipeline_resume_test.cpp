@@ -7,61 +7,10 @@ using namespace loopline::testing;
 namespace {
 
 const std::string chain = "modules = odometry lines line_slam\nmaps = grid\n";
-const char* const simul_log =
-    "/usr/share/mrpt/datasets/graphslam-engine-demos/action_observations_map/simul.rawlog";
-
-void expect_same_after_breaks(const std::string& ini, const std::string& log = telecom_log,
-                              std::uint64_t last_item = 448) {
-    const BrokenRuns runs(log, ini);
-    ASSERT_EQ(runs.run("whole", false), 0);
-    EXPECT_FALSE(std::filesystem::exists(runs.checkpoint("whole")));
-    for (const Break kind : {Break::kill_worker, Break::kill_all, Break::interrupt})
-        for (const double part : {0.1, 0.5, 0.93}) {
-            const auto at = static_cast<std::uint64_t>(part * double(last_item));
-            SCOPED_TRACE("broken off at item " + std::to_string(at));
-            const int code = runs.run("broken", false, kind, at);
-            EXPECT_EQ(code, kind == Break::interrupt ? 130 : 137);
-            EXPECT_TRUE(std::filesystem::exists(runs.checkpoint("broken")));
-            EXPECT_EQ(runs.run("broken", true), 0);
-            runs.expect_same("broken", "whole");
-            std::filesystem::remove_all(runs.path("broken"));
-        }
-}
-
 }  // namespace
 
 TEST(Resume, a_broken_run_ends_with_the_same_bytes) {
     expect_same_after_breaks("checkpoint_items = 16\n" + chain);
-}
-
-TEST(Resume, so_it_does_where_a_step_of_the_filter_takes_seven_scans) {
-    expect_same_after_breaks("checkpoint_items = 4\n" + chain + "[line_slam]\ninterval_scans = 7\n");
-}
-
-TEST(Resume, so_does_one_that_maps_on_a_grid_and_closes_its_loops_either_way) {
-    const std::string grid = "checkpoint_items = 16\nmodules = odometry grid_slam\nmaps = grid\n[grid_slam]\n";
-    expect_same_after_breaks(grid + "weights = joint\n");
-    const BrokenRuns runs(telecom_log, grid + "weights = covariance\n");
-    ASSERT_EQ(runs.run("whole", false), 0);
-    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 400), 137);
-    EXPECT_EQ(runs.run("broken", true), 0);
-    runs.expect_same("broken", "whole");
-}
-
-TEST(Resume, so_it_does_on_a_long_log_with_a_recording_of_several_blocks) {
-    if (!std::filesystem::exists(simul_log)) GTEST_SKIP() << simul_log << " is not there";
-    const BrokenRuns runs(simul_log,
-                          "checkpoint_items = 250\n" + chain + "[line_slam]\ninterval_scans = 7\n");
-    ASSERT_EQ(runs.run("whole", false), 0);
-    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 2600), 137);
-    EXPECT_EQ(runs.run("broken", true, Break::interrupt, 3100), 130);
-    std::filesystem::copy(runs.path("broken"), runs.path("robbed"));
-    EXPECT_EQ(runs.run("broken", true), 0);
-    runs.expect_same("broken", "whole");
-
-    // The complete blocks of the recording are not in the checkpoint.
-    std::filesystem::resize_file(runs.path("robbed") + "/recorded.rawlog", 1000);
-    EXPECT_EQ(runs.run("robbed", true), exit_configuration);
 }
 
 TEST(Resume, a_run_may_be_broken_again_and_again) {

@@ -286,17 +286,6 @@ TEST_P(CartWorlds, lead_through_the_start_again_and_end_there) {
         << "time to align an IMU";
 }
 
-TEST_P(CartWorlds, can_be_driven_lap_after_lap) {
-    const auto once = scene_of(dataset(GetParam().name));
-    const auto ten = scene_of(dataset(GetParam().name), {"route.laps=10"});
-    const double standing_s = 13;
-    EXPECT_NEAR((seconds_between(0, ten->duration_ns()) - standing_s) /
-                    (seconds_between(0, once->duration_ns()) - standing_s),
-                10, 0.3);
-    EXPECT_EQ(once->world.walls.size(), ten->world.walls.size()) << "furniture is that of the route";
-    EXPECT_LT(ten->drive.motion.last().translation().norm(), 0.2);
-}
-
 INSTANTIATE_TEST_SUITE_P(Datasets, CartWorlds,
                          ::testing::Values(CartWorld{"cart_loops.ini", 3, 215, 240},
                                            CartWorld{"cart_corridor.ini", 3, 300, 325},

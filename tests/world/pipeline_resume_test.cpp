@@ -1,0 +1,43 @@
+/// Broken runs of many kinds of modules and logs: each goes on to the same bytes.
+#include "support/resumed_run.h"
+
+using namespace loopline;
+using namespace loopline::testing;
+
+namespace {
+
+const std::string chain = "modules = odometry lines line_slam\nmaps = grid\n";
+const char* const simul_log =
+    "/usr/share/mrpt/datasets/graphslam-engine-demos/action_observations_map/simul.rawlog";
+
+}  // namespace
+
+TEST(ResumedRuns, where_a_step_of_the_filter_takes_seven_scans) {
+    expect_same_after_breaks("checkpoint_items = 4\n" + chain + "[line_slam]\ninterval_scans = 7\n");
+}
+
+TEST(ResumedRuns, of_one_that_maps_on_a_grid_and_closes_its_loops_either_way) {
+    const std::string grid = "checkpoint_items = 16\nmodules = odometry grid_slam\nmaps = grid\n[grid_slam]\n";
+    expect_same_after_breaks(grid + "weights = joint\n");
+    const BrokenRuns runs(telecom_log, grid + "weights = covariance\n");
+    ASSERT_EQ(runs.run("whole", false), 0);
+    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 400), 137);
+    EXPECT_EQ(runs.run("broken", true), 0);
+    runs.expect_same("broken", "whole");
+}
+
+TEST(ResumedRuns, of_a_long_log_with_a_recording_of_several_blocks) {
+    if (!std::filesystem::exists(simul_log)) GTEST_SKIP() << simul_log << " is not there";
+    const BrokenRuns runs(simul_log,
+                          "checkpoint_items = 250\n" + chain + "[line_slam]\ninterval_scans = 7\n");
+    ASSERT_EQ(runs.run("whole", false), 0);
+    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 2600), 137);
+    EXPECT_EQ(runs.run("broken", true, Break::interrupt, 3100), 130);
+    std::filesystem::copy(runs.path("broken"), runs.path("robbed"));
+    EXPECT_EQ(runs.run("broken", true), 0);
+    runs.expect_same("broken", "whole");
+
+    // The complete blocks of the recording are not in the checkpoint.
+    std::filesystem::resize_file(runs.path("robbed") + "/recorded.rawlog", 1000);
+    EXPECT_EQ(runs.run("robbed", true), exit_configuration);
+}
