@@ -33,12 +33,13 @@ struct Ring {
         return seconds_text(stamp(later)) + " - " + seconds_text(stamp(earlier));
     }
 
-    std::unique_ptr<GridSlam> run(const DecisionSettings& decisions,
-                                  double sigma_turn_rad = 0.3 * M_PI / 180) const {
+    /// Halfway the wheels tell `slip_m` of way too much, which their covariance knows nothing of.
+    std::unique_ptr<GridSlam> run(const DecisionSettings& decisions, double slip_m = 0) const {
         std::mt19937_64 random(1);
         const auto world = test::ring_building();
         const grid_map_world::Sensor sensor{271, 1.5 * M_PI, {0.2, 0, 0}, 0.01, 20};
-        const auto motions = test::noisy_motions(truth, {0.01, 0.01, sigma_turn_rad}, random);
+        auto motions = test::noisy_motions(truth, {0.01, 0.01, 0.3 * M_PI / 180}, random);
+        motions[scan_at(6, 8)].T_before_now.x_m += slip_m;
         GridSlamSettings settings;
         settings.decisions = decisions;
         auto owned = std::make_unique<GridSlam>(settings);
@@ -152,6 +153,25 @@ TEST(LoopDecisions, a_named_loop_is_closed_where_the_search_is_off) {
     EXPECT_LT(ring.rmse_m(with), 0.02);
     EXPECT_LT(ring.rmse_m(with), ring.rmse_m(without));
     EXPECT_TRUE(with.decisions().untried().empty());
+}
+
+TEST(LoopDecisions, a_named_loop_is_closed_that_is_farther_off_than_what_is_uncertain) {
+    const Ring ring;
+    const std::size_t earlier = ring.scan_at(5, 0), later = ring.scan_at(5, 0, ring.truth.size() - 80);
+    DecisionSettings decisions;
+    EXPECT_EQ(accepted(*ring.run(decisions, 3)), 0U) << "it is not found by itself";
+    decisions.named = named_loops_from_text(ring.name(later, earlier));
+    for (const double slip_m : {3.0, -2.0}) {
+        const auto run = ring.run(decisions, slip_m);
+        const auto named = std::find_if(run->loops().begin(), run->loops().end(),
+                                        [](const LoopRecord& r) { return r.reason == "named in the .ini"; });
+        ASSERT_NE(named, run->loops().end()) << slip_m;
+        EXPECT_GT(named->shift.head<2>().norm(), 1.5);
+        EXPECT_LT(3 * named->sigma_m, 1.5) << "nobody would have searched so far";
+        const Pose2 T_old_new = run->map().poses[named->old_frame].inverse() * run->map().poses[named->frame];
+        const Pose2 T_true = ring.truth[earlier].inverse() * ring.truth[later];
+        EXPECT_LT((T_old_new.translation() - T_true.translation()).norm(), 0.3);
+    }
 }
 
 TEST(LoopDecisions, a_named_loop_between_two_places_is_refused_with_its_reason) {
