@@ -43,11 +43,10 @@ Checkpoints::Checkpoints(const RunSetup& setup, const Attempt& attempt, ModuleCh
     if (next_look_ != never && resumed_at_ == 0) next_look_ = Clock::now() + beginning;
     began_ = resumed_at_ > 0;
     // If this is killed, --resume must not go on from before the rejection.
-    if (resumed_at_ > 0 && setup.checkpoint->head().loop > 0) try {
-            write_now(resumed_at_);
-        } catch (const std::exception& e) {
-            give_up(e);
-        }
+    if (resumed_at_ > 0 && setup.checkpoint->head().loop > 0)
+        write(resumed_at_);
+    else
+        written_at_ = resumed_at_;
 }
 
 /// The next one, `least_s` of CPU time from now or later.
@@ -110,23 +109,20 @@ void Checkpoints::discard() {
 
 bool Checkpoints::write(std::uint64_t items) {
     if (!possible_) return false;
-    if (items == resumed_at_) return true;
+    if (items == written_at_) return true;
     try {
-        write_now(items);
+        began_ = true;
+        const CheckpointHead now = head(items);  // with the logs' hashes, which are needed at the end anyway
+        const auto start = Clock::now();
+        made_folder_ = std::filesystem::create_directories(setup_.folder) || made_folder_;
+        write_checkpoint(checkpoint_in(setup_.folder), now, chain_, recorder_, CheckpointSink::Safety::disk);
+        written_at_ = items;
+        schedule(pause_per_writing * std::chrono::duration<double>(Clock::now() - start).count());
         return true;
     } catch (const std::exception& e) {
         give_up(e);
     }
     return false;
-}
-
-void Checkpoints::write_now(std::uint64_t items) {
-    began_ = true;
-    const CheckpointHead now = head(items);  // with the logs' hashes, which are needed at the end anyway
-    const auto start = Clock::now();
-    made_folder_ = std::filesystem::create_directories(setup_.folder) || made_folder_;
-    write_checkpoint(checkpoint_in(setup_.folder), now, chain_, recorder_, CheckpointSink::Safety::disk);
-    schedule(pause_per_writing * std::chrono::duration<double>(Clock::now() - start).count());
 }
 
 /// A loop is going to be closed, or one was: then there is nothing to do.

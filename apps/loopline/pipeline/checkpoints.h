@@ -56,7 +56,6 @@ class Checkpoints {
     static constexpr std::int64_t ticks_per_glance = 1'000'000;
     void glance_at_the_clock(std::uint64_t items);
     void look_at_the_clock(std::uint64_t items);
-    void write_now(std::uint64_t items);
     void keep_state(std::uint64_t items);
     void schedule(double least_s);
     void give_up(const std::exception& reason);
@@ -66,7 +65,7 @@ class Checkpoints {
     ModuleChain& chain_;
     Recorder& recorder_;
     bool possible_;
-    std::uint64_t every_items_ = 0, resumed_at_ = 0;
+    std::uint64_t every_items_ = 0, resumed_at_ = 0, written_at_ = 0;
     Clock::time_point next_look_ = never;
     std::int64_t latest_glance_ = 0;
     double due_s_ = 0;  ///< CPU time of this process
