@@ -10,6 +10,8 @@
 namespace loopline::grid_slam {
 namespace {
 
+const char* const by_the_ini = "refused by the .ini";
+
 grid_map::ScanGridSettings active_grid(const GridSlamSettings& settings) {
     grid_map::ScanGridSettings grid;
     grid.cell_m = settings.cell_m;
@@ -23,19 +25,20 @@ GridSlam::GridSlam(const GridSlamSettings& settings)
     : settings_(settings),
       active_(active_grid(settings), settings.active),
       linker_(settings.links),
-      loops_(settings.loops) {}
+      loops_(settings.loops),
+      decisions_(settings.decisions) {}
 
 ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction,
                        const grid_map::SweepMotion& sweep) {
     grid_map::make_frame(scan, sweep, settings_.frame, frame_);
     stamp_ns_ = prediction.stamp_ns;
-    T_new_old_.reset();
     ScanPose result;
     if (places_.empty()) {
         result.match.matched = true;
         result.match.fit = 1;
         add_frame(result.match);
         places_.push_back({0, Pose2{}, Eigen::Matrix3d::Zero()});
+        decisions_.take_scan(stamp_ns_, 0);
         return result;
     }
     way_m_ += prediction.motion.T_before_now.translation().norm();
@@ -48,8 +51,8 @@ ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction,
     unmatched_ += result.match.matched ? 0 : 1;
     degenerate_ += result.match.degeneracy.free_directions > 0 ? 1 : 0;
     settle_on_frame(result.match);
+    decisions_.take_scan(stamp_ns_, places_.back().frame);
     result.T_map_base = map_.poses[places_.back().frame] * places_.back().T_frame_base;
-    result.T_new_old = T_new_old_;
     return result;
 }
 
@@ -66,15 +69,15 @@ void GridSlam::settle_on_frame(const ForwardMatch& match) {
     };
     const std::uint32_t before = places_.back().frame;
     const bool map_is_right = match.matched && match.fit >= settings_.new_fit;
-    if (is_near(away(before))) return ride_on(before);
-    if (map_is_right)
+    const bool named = decisions_.is_named(stamp_ns_);
+    if (is_near(away(before)) && !named) return ride_on(before);
+    if (map_is_right && !named)
         if (const auto other = near_frame(match.T_map_base)) {
             ride_on(*other);
             since_frame_ = {places_.back().T_frame_base, places_.back().covariance};
             return;
         }
     add_frame(match);
-    // Where the match put it, or where a correction did meanwhile.
     places_.push_back({map_.last(), Pose2{}, turned(match.covariance, -map_.poses[map_.last()].phi_rad)});
 }
 
@@ -117,19 +120,44 @@ void GridSlam::add_frame(const ForwardMatch& match) {
         chosen_at_m_ = way_m_;
         active_.choose(map_, neighbourhood_, frame);
     }
-    if (correction_) return;
-    // S3 and S4: is this an old place?
-    const auto loop = loops_.look(map_, active_, neighbourhood_);
-    if (!loop.empty()) close(loop);
+    if (!correction_ && found_.empty()) look_for_loop();
 }
 
-void GridSlam::close(const std::vector<Constraint>& loop) {
+/// S3 and S4: is this an old place, as somebody says or by itself?
+void GridSlam::look_for_loop() {
+    if (const auto named = decisions_.due(stamp_ns_)) {
+        found_ = loops_.look_at(decisions_.old_frame(*named), map_, active_, neighbourhood_);
+        decisions_.tried(*named, loops_.records().size() - 1);
+        return;
+    }
+    if (decisions_.search_is_off(stamp_ns_)) return;
+    const std::size_t before = loops_.records().size();
+    found_ = loops_.look(map_, active_, neighbourhood_);
+    if (loops_.records().size() == before || !found_.empty() || !loops_.latest_waits()) return;
+    const LoopRecord& latest = loops_.records().back();
+    if (decisions_.refuses(map_, latest.old_frame, latest.frame)) loops_.refuse_latest(by_the_ini);
+}
+
+bool GridSlam::loop_at_hand_is_refused() const {
+    return decisions_.refuses(map_, found_.back().from, found_.back().to);
+}
+
+/// Not before the scan that found it is done with, so that a state in between can go on either way (row B13).
+/// How the vehicle was moved, if that was done at once.
+std::optional<Pose2> GridSlam::close_loop() {
+    const bool refused = loop_at_hand_is_refused();
+    const std::vector<Constraint> loop = std::move(found_);
+    found_.clear();
+    if (refused) {
+        loops_.refuse_latest(by_the_ini);
+        return std::nullopt;
+    }
     loop_ = loop.back();
     if (settings_.weights != Weights::joint) {
-        T_new_old_ = correct_by_going_back(loop_);
+        const Pose2 T_new_old = correct_by_going_back(loop_);
         for (const Constraint& constraint : loop) add_constraint(constraint);
         active_.choose(map_, neighbourhood_, map_.last());
-        return;
+        return T_new_old;
     }
     for (const Constraint& constraint : loop) add_constraint(constraint);
     if (is_worth_correcting(loop_)) {
@@ -139,6 +167,7 @@ void GridSlam::close(const std::vector<Constraint>& loop) {
         active_.choose(map_, neighbourhood_, loop_.to);
         relink(loop_.to);
     }
+    return std::nullopt;
 }
 
 /// S4 to S7: from the end of the loop back to its beginning, and what both ways say together.
@@ -221,6 +250,8 @@ void GridSlam::begin_correction() {
 
 /// A part of the work of each correction goes with each scan, so that none has to wait for all of it.
 std::optional<Pose2> GridSlam::advance() {
+    if (!found_.empty())
+        if (const auto T_new_old = close_loop()) return T_new_old;
     if (!correction_ || correction_->iterate()) return std::nullopt;
     return apply_correction();
 }
@@ -248,7 +279,7 @@ Pose2 GridSlam::apply_correction() {
 /// vehicle.
 Pose2 GridSlam::take_poses(std::vector<Pose2> corrected) {
     const std::uint32_t rides_on = places_.back().frame;
-    const Pose2 T_map_last_before = map_.poses[map_.last()], T_map_frame_before = map_.poses[rides_on];
+    const Pose2 T_map_frame_before = map_.poses[rides_on];
     const std::size_t last = corrected.size() - 1;
     const Pose2 T_new_old = corrected[last] * map_.poses[last].inverse();
     for (std::size_t k = corrected.size(); k < map_.size(); ++k) map_.poses[k] = T_new_old * map_.poses[k];
@@ -256,8 +287,6 @@ Pose2 GridSlam::take_poses(std::vector<Pose2> corrected) {
     rebuild_neighbourhood();
     active_.choose(map_, neighbourhood_, map_.last());
     loops_.forget_pending();
-    // At once: the scan at hand is the latest frame; else the vehicle rides on some frame.
-    if (settings_.weights != Weights::joint) return map_.poses[map_.last()] * T_map_last_before.inverse();
     return map_.poses[rides_on] * T_map_frame_before.inverse();
 }
 
@@ -275,7 +304,7 @@ void GridSlam::rebuild_neighbourhood() {
 }
 
 void GridSlam::finish() {
-    while (correction_) advance();
+    while (correction_ || !found_.empty()) advance();
     if (map_.size() < 2) {
         frame_covariances_.assign(map_.size(), Eigen::Matrix3d::Zero());
         return;

@@ -11,6 +11,7 @@
 #include "grid_slam/forward_match.h"
 #include "grid_slam/fusion_of_passes.h"
 #include "grid_slam/links.h"
+#include "grid_slam/loop_decisions.h"
 #include "grid_slam/loop_search.h"
 #include "grid_slam/map_frames.h"
 #include "grid_slam/navigation.h"
@@ -25,6 +26,7 @@ struct GridSlamSettings {
     ActiveMapSettings active;
     LinkSettings links;
     LoopSettings loops;
+    DecisionSettings decisions;
     GraphSettings graph;
     double frame_way_m = 0.1;                ///< a scan so far from all frames of the map becomes one
     double frame_turn_rad = 3 * M_PI / 180;  ///< or one so turned
@@ -39,9 +41,8 @@ struct GridSlamSettings {
 
 /// What one scan gave.
 struct ScanPose {
-    ForwardMatch match;              ///< as the scan was matched
-    Pose2 T_map_base;                ///< as known after it
-    std::optional<Pose2> T_new_old;  ///< how a correction that took effect with this scan moved the vehicle
+    ForwardMatch match;  ///< as the scan was matched
+    Pose2 T_map_base;    ///< as known after it
 };
 
 /// What a correction did, to show it.
@@ -58,8 +59,8 @@ class GridSlam {
  public:
     explicit GridSlam(const GridSlamSettings& settings);
 
-    /// Before each scan: goes on with a correction that is under way. If it took effect: how it moved the
-    /// vehicle.
+    /// Before each scan: closes the loop that was found with the one before, or goes on with a correction
+    /// that is under way. If it took effect: how it moved the vehicle.
     std::optional<Pose2> advance();
     /// The next scan, and where the vehicle should be. `sweep`: its motion from the first beam of this scan
     /// to the last.
@@ -76,6 +77,10 @@ class GridSlam {
     const ActiveMap& active_map() const { return active_; }
     const std::vector<Constraint>& constraints() const { return constraints_; }
     const std::vector<LoopRecord>& loops() const { return loops_.records(); }
+    /// Whether the latest of them is to be closed before the next scan, unless it is refused.
+    bool loop_at_hand() const { return !found_.empty(); }
+    bool loop_at_hand_is_refused() const;
+    const LoopDecisions& decisions() const { return decisions_; }
     const std::vector<Correction>& corrections() const { return corrections_; }
     /// For weights other than `joint`: what leads from frame to frame on the way back. Outlives this object,
     /// or is replaced.
@@ -98,7 +103,8 @@ class GridSlam {
     std::optional<std::uint32_t> near_frame(const Pose2& T_map_base) const;
     void add_frame(const ForwardMatch& match);
     void add_constraint(const Constraint& constraint);
-    void close(const std::vector<Constraint>& loop);
+    void look_for_loop();
+    std::optional<Pose2> close_loop();
     Pose2 correct_by_going_back(const Constraint& loop);
     void record_correction(std::vector<Pose2> before, const Constraint& loop);
     bool is_worth_correcting(const Constraint& constraint) const;
@@ -114,6 +120,8 @@ class GridSlam {
     ActiveMap active_;
     Linker linker_;
     LoopSearch loops_;
+    LoopDecisions decisions_;
+    std::vector<Constraint> found_;  ///< the loop at hand
     std::vector<Constraint> constraints_;
     Neighbourhood neighbourhood_;
     std::vector<Place> places_;  ///< of all scans
@@ -123,7 +131,6 @@ class GridSlam {
     std::size_t correction_frames_ = 0;
     bool relink_after_ = false;
     Constraint loop_;                 ///< that the correction under way is for
-    std::optional<Pose2> T_new_old_;  ///< of a correction that was made at once
     StampNs stamp_ns_ = 0;            ///< of the scan at hand
     Motion since_last_frame_;         ///< since the latest frame was made
     std::vector<Correction> corrections_;

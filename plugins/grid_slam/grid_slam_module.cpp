@@ -64,6 +64,9 @@ void GridSlamModule::start(const RunContext&) {
     if (!loops_) settings_.loops.every_m = std::numeric_limits<double>::infinity();
     inertial_.wheels = source_ == Source::imu_wheel;
     inertial_.keep_readings = settings_.weights != Weights::joint;
+    settings_.decisions.named = named_loops_from_text(named_loops_);
+    settings_.decisions.refused = refusals_from_text(refused_loops_);
+    settings_.decisions.without_search = intervals_from_text(without_search_);
     slam_ = std::make_unique<GridSlam>(settings_);
     if (source_ == Source::wheel)
         wheel_navigation_ = std::make_unique<WheelNavigation>(wheels_);
@@ -121,6 +124,7 @@ void GridSlamModule::process(const StreamItem& item, Publisher& publisher) {
     while (!waiting_.empty() && is_ready(waiting_.front())) {
         estimate(waiting_.front(), publisher);
         waiting_.pop_front();
+        if (slam_->loop_at_hand()) break;  // a state is kept in between
     }
 }
 
@@ -158,7 +162,6 @@ void GridSlamModule::estimate(const Scan& scan, Publisher& publisher) {
     const ScanPose pose = slam_->add(beams_, prediction, sweep(prediction));
     if (wheel_navigation_ != nullptr) wheel_navigation_->update(scan.stamp_ns, scan.T_odom_base, pose.match);
     if (inertial_navigation_ != nullptr) inertial_navigation_->update(pose.match);
-    if (pose.T_new_old) move(*pose.T_new_old);
     online_.push_back({scan.sequence, scan.stamp_ns, pose.T_map_base});
     const auto published = pose_observation(pose.T_map_base, pose.match.covariance);
     published->timestamp = scan.observation->timestamp;
@@ -181,6 +184,15 @@ void GridSlamModule::lay_out_trajectory() {
 
 void GridSlamModule::report_loops(Results& results) const {
     std::int64_t accepted = 0, refused = 0;
+    std::vector<LoopDecision> never_tried;
+    for (const auto& [named, reason] : slam_->decisions().untried()) {
+        LoopDecision loop;
+        loop.stamp_ns = named->stamp_ns;
+        loop.old_stamp_ns = named->old_stamp_ns;
+        loop.reason = reason;
+        ++refused;
+        never_tried.push_back(std::move(loop));
+    }
     for (const LoopRecord& record : slam_->loops()) {
         LoopDecision loop;
         loop.stamp_ns = online_[slam_->map().scans[record.frame]].stamp_ns;
@@ -198,6 +210,7 @@ void GridSlamModule::report_loops(Results& results) const {
         (loop.accepted ? accepted : refused) += record.decision == LoopRecord::Decision::waits ? 0 : 1;
         results.loops.push_back(std::move(loop));
     }
+    results.loops.insert(results.loops.end(), never_tried.begin(), never_tried.end());
     results.metrics["loops_found"] = accepted;
     results.metrics["loops_refused"] = refused;
     for (const Correction& c : slam_->corrections())

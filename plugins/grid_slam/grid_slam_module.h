@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "api/loop_closer.h"
 #include "api/module.h"
 #include "grid_slam/grid_slam.h"
 #include "grid_slam/inertial_navigation.h"
@@ -19,7 +20,7 @@ namespace loopline {
 
 /// Pairs each scan with the odometry of the same scan (by sequence: the odometry may come later), or waits
 /// until the readings of the IMU reach beyond it, in the log's order.
-class GridSlamModule : public Module {
+class GridSlamModule : public Module, public LoopCloser {
     DEFINE_MRPT_OBJECT(GridSlamModule, loopline)
  public:
     static constexpr const char* odometry_label = "odometry_at_scan";
@@ -27,6 +28,7 @@ class GridSlamModule : public Module {
 
     ModuleInfo info() const override;
     ParameterTable parameters() override;
+    std::string check() const override;
     void start(const RunContext&) override;
     void process(const StreamItem& item, Publisher& publisher) override;
     void drain(Publisher& publisher) override;
@@ -35,6 +37,15 @@ class GridSlamModule : public Module {
     bool can_resume() const override { return true; }
     void save_state(mrpt::serialization::CArchive& out) const override;
     void load_state(mrpt::serialization::CArchive& in) override;
+
+    std::uint64_t loop_at_hand() const override {
+        return slam_->loop_at_hand() && !slam_->loop_at_hand_is_refused() ? slam_->loops().size() : 0;
+    }
+    StampNs loop_at_hand_ns() const override { return slam_->map().stamps_ns.back(); }
+    std::string refusals_key() const override { return "refuse_loops"; }
+    std::string refusals() const override { return refused_loops_; }
+    bool refuse_alike_before(const std::string& a, const std::string& b, StampNs loop_ns) const override;
+    std::vector<std::string> loop_warnings() const override;
 
  private:
     template <class Archive>
@@ -73,6 +84,7 @@ class GridSlamModule : public Module {
     std::string imu_label_;
     std::vector<std::string> sensors_;
     bool loops_ = true;
+    std::string named_loops_, refused_loops_, without_search_;  ///< as the .ini has them
     double scan_duration_s_ = 0;
 
     // The state: all that a break between two scans must keep.

@@ -62,6 +62,22 @@ ParameterTable GridSlamModule::parameters() {
                 "How a loop is corrected: by going back through it, both ways weighted by the way (the "
                 "patent) or by what they are worth; or all loops at once.")
         .boolean("loops", loops_, "Look for loops of the path.")
+        .text("loops_off", without_search_,
+              "But not in these parts of the log: \"from .. to, from .. to\", UTC seconds as in "
+              "trajectory.tum; loops that are named are tried all the same.")
+        .text("named_loops", named_loops_,
+              "Loops to try in any case: \"later - earlier, ...\", UTC seconds, the scan at the later time "
+              "being "
+              "where that at the earlier was; as `loop` of an entry of metrics.json.")
+        .real("named_window_m", s.loops.named_window_m, {0.1, 100}, "They are searched for so far around.")
+        .angle("named_window_deg", s.loops.named_window_rad, {1, 180}, "And so much turned.")
+        .text(
+            "refuse_loops", refused_loops_,
+            "Loops that are none: \"later - earlier\", \"later\" alone (whatever place it was taken for) or "
+            "\"from .. to\" (all whose later scan is in there), separated by commas.")
+        .real("refuse_way_m", s.decisions.refuse_way_m, {0, 1000},
+              "One that is refused stays so for this way of the vehicle from its later scan on, and about as "
+              "far around its earlier one.")
         .real("loop_every_m", s.loops.every_m, {0.05, 100}, "Way between two looks.")
         .real("loop_reach_m", s.loops.reach_m, {0.1, 100},
               "Distance of an old scan that the vehicle may see the same from.")

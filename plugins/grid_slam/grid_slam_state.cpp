@@ -4,7 +4,7 @@
 
 namespace loopline {
 namespace {
-constexpr std::uint32_t form_version = 1;
+constexpr std::uint32_t form_version = 2;
 }
 
 namespace grid_map {
@@ -55,6 +55,13 @@ void fields(Archive& archive, LoopSearch& search) {
             search.records_);
 }
 
+template <class Archive>
+void fields(Archive& archive, LoopDecisions& decisions) {
+    archive.each(decisions.named_,
+                 [](auto& a, auto& named) { a(named.old_frame, named.reached, named.record); });
+    archive(decisions.started_, decisions.first_ns_, decisions.last_ns_);
+}
+
 /// The grid is drawn anew: it is made of whole numbers, so the order does not matter.
 template <class Archive>
 void fields(Archive& archive, ActiveMap& active, const MapFrames& map) {
@@ -99,7 +106,7 @@ template <class Archive>
 void fields(Archive& archive, GridSlam& slam) {
     archive(slam.map_);
     fields(archive, slam.active_, slam.map_);
-    archive(slam.linker_, slam.loops_, slam.constraints_);
+    archive(slam.linker_, slam.loops_, slam.decisions_, slam.found_, slam.constraints_);
     archive.each(slam.places_,
                  [](auto& a, auto& place) { a(place.frame, place.T_frame_base, place.covariance); });
     archive(slam.since_frame_, slam.since_last_frame_, slam.stamp_ns_, slam.way_m_, slam.chosen_at_m_);

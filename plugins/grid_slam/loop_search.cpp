@@ -79,12 +79,13 @@ grid_map::SearchWindow LoopSearch::window(const MapFrames& map, std::uint32_t ol
     window.T_map_center = map.poses[old_frame].inverse() * map.poses[map.last()];
     const double sigma_m = std::sqrt(uncertainty_.variance_m2[old_frame]),
                  sigma_rad = std::sqrt(uncertainty_.covariance[old_frame](2, 2));
-    window.cells_x = window.cells_y = static_cast<int>(std::ceil(
-        std::min(settings_.max_window_m, settings_.window_sigmas * sigma_m + 0.2) / settings_.cell_m));
+    const double half_m = std::min(settings_.max_window_m, settings_.window_sigmas * sigma_m + 0.2),
+                 half_rad = std::min(settings_.max_window_rad, settings_.window_sigmas * sigma_rad + 0.02);
+    window.cells_x = window.cells_y =
+        static_cast<int>(std::ceil(std::max(settings_.least_window_m, half_m) / settings_.cell_m));
     window.heading_step_rad = 0.5 * M_PI / 180;
-    window.headings = static_cast<int>(
-        std::ceil(std::min(settings_.max_window_rad, settings_.window_sigmas * sigma_rad + 0.02) /
-                  window.heading_step_rad));
+    window.headings =
+        static_cast<int>(std::ceil(std::max(settings_.least_window_rad, half_rad) / window.heading_step_rad));
     return window;
 }
 
@@ -180,6 +181,41 @@ std::vector<Constraint> LoopSearch::look(const MapFrames& map, const ActiveMap& 
     records_.back().reason = "two matches agree";
     pending_.clear();
     return loop;
+}
+
+std::vector<Constraint> LoopSearch::look_at(std::uint32_t old_frame, const MapFrames& map,
+                                            const ActiveMap& active, const Neighbourhood& neighbourhood) {
+    relative_uncertainty(neighbourhood, map.poses, map.last(), RelativeUncertainty::unknown, uncertainty_);
+    const LoopSettings as_set = settings_;
+    settings_.least_window_m = settings_.named_window_m;
+    settings_.least_window_rad = settings_.named_window_rad;
+    const std::size_t before = records_.size();
+    const auto found = match(map, active, old_frame);
+    settings_ = as_set;
+    if (records_.size() == before) {
+        LoopRecord record;
+        record.frame = map.last();
+        record.old_frame = old_frame;
+        record.way_m = map.path_m[record.frame] - map.path_m[old_frame];
+        record.sigma_m = std::sqrt(uncertainty_.variance_m2[old_frame]);
+        record.sigma_rad = std::sqrt(uncertainty_.covariance[old_frame](2, 2));
+        record.reason = active.is_active(old_frame) ? "that place is in the map at hand already"
+                                                    : "the scans fit nowhere near there";
+        records_.push_back(record);
+    }
+    if (!found) return {};
+    records_.back().decision = LoopRecord::Decision::accepted;
+    records_.back().reason = "named in the .ini";
+    pending_.clear();
+    std::vector<Constraint> loop{*found};
+    loop.back().kind = Constraint::Kind::named;
+    return loop;
+}
+
+void LoopSearch::refuse_latest(const std::string& reason) {
+    if (records_.back().decision == LoopRecord::Decision::waits) pending_.pop_back();
+    records_.back().decision = LoopRecord::Decision::refused;
+    records_.back().reason = reason;
 }
 
 }  // namespace loopline::grid_slam

@@ -28,6 +28,9 @@ struct LoopSettings {
     double window_sigmas = 3;  ///< half of the search window in standard deviations
     double max_window_m = 5;   ///< but not more
     double max_window_rad = 30 * M_PI / 180;
+    double named_window_m = 10;  ///< half of the window of a loop that a person named
+    double named_window_rad = 45 * M_PI / 180;
+    double least_window_m = 0, least_window_rad = 0;  ///< half of the window is no less
     int search_points = 150;
     double min_likelihood = 0.55;  ///< mean over the returns, 0 .. 1
     double min_fit = 0.7;          ///< part of the returns on a surface of the old map
@@ -61,6 +64,16 @@ class LoopSearch {
     /// The constraints of a loop, at least two, if there is one at the latest frame; else none.
     std::vector<Constraint> look(const MapFrames& map, const ActiveMap& active,
                                  const Neighbourhood& neighbourhood);
+    /// The constraint of a loop that a person named, at the latest frame: verified as any other, but that it
+    /// needs no second match. Leaves a record in any case.
+    std::vector<Constraint> look_at(std::uint32_t old_frame, const MapFrames& map, const ActiveMap& active,
+                                    const Neighbourhood& neighbourhood);
+    /// Whether the latest look found what waits for a second match.
+    bool latest_waits() const {
+        return !records_.empty() && records_.back().decision == LoopRecord::Decision::waits;
+    }
+    /// What the latest look found, accepted or waiting, is not to be.
+    void refuse_latest(const std::string& reason);
     /// Poses were corrected: what is not accepted by now is forgotten.
     void forget_pending() { pending_.clear(); }
 

@@ -58,8 +58,8 @@ class GraphOptimiser::NormalEquations {
         for (const Constraint& c : constraints) {
             const Linearised l = linearise(c, poses[c.from], poses[c.to]);
             const double square = l.e.dot(c.information * l.e);
-            const double w = c.kind == Constraint::Kind::motion ? 1 : 1 / (1 + square / scale2);
-            cost += c.kind == Constraint::Kind::motion ? square : scale2 * std::log1p(square / scale2);
+            const double w = !c.may_be_wrong() ? 1 : 1 / (1 + square / scale2);
+            cost += !c.may_be_wrong() ? square : scale2 * std::log1p(square / scale2);
             const Eigen::Matrix3d information = w * c.information;
             add(c.from, c.from, l.by_from.transpose() * information * l.by_from);
             add(c.to, c.to, l.by_to.transpose() * information * l.by_to);

@@ -13,7 +13,14 @@ namespace loopline::grid_slam {
 
 /// Pose `to` in the frame of pose `from`, with the information on (x, y, phi) along the axes of `from`.
 struct Constraint {
-    enum class Kind : std::uint8_t { motion, match, loop };
+    enum class Kind : std::uint8_t {
+        motion,
+        match,
+        loop,
+        named
+    };  ///< named: a loop that a person vouches for
+    /// Whether it counts less where it disagrees with the others.
+    bool may_be_wrong() const { return kind == Kind::match || kind == Kind::loop; }
     std::uint32_t from = 0, to = 0;
     Pose2 T_from_to;
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();

@@ -72,6 +72,15 @@ class BrokenRuns {
         }
     }
 
+    /// metrics.json without times and memory.
+    static std::string lasting(const std::string& metrics) {
+        auto json = nlohmann::json::parse(metrics);
+        for (const char* key : {"wall_s", "cpu_s", "real_time_factor", "peak_memory_mb"}) json.erase(key);
+        for (auto& module : json["modules"])
+            for (const char* key : {"mean_ms", "worst_ms", "finish_ms"}) module.erase(key);
+        return json.dump(2);
+    }
+
  private:
     int run_here(const std::string& out, bool resume, Break kind, std::uint64_t at) const {
         try {
@@ -98,13 +107,6 @@ class BrokenRuns {
             names.push_back(entry.path().filename().string());
         std::sort(names.begin(), names.end());
         return names;
-    }
-    static std::string lasting(const std::string& metrics) {
-        auto json = nlohmann::json::parse(metrics);
-        for (const char* key : {"wall_s", "cpu_s", "real_time_factor", "peak_memory_mb"}) json.erase(key);
-        for (auto& module : json["modules"])
-            for (const char* key : {"mean_ms", "worst_ms", "finish_ms"}) module.erase(key);
-        return json.dump(2);
     }
 
     Folder folder_;

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "api/loop_closer.h"
 #include "output/g2o.h"
 #include "output/map_files.h"
 #include "output/metrics_json.h"
@@ -131,6 +132,10 @@ TEST(OutputLoops, metrics_hold_one_object_a_loop_in_their_units) {
     const auto m = metrics_json(with_loops({example_loop(), accepted, waits}));
     ASSERT_EQ(m["loops"].size(), 3u);
     const auto& loop = m["loops"][0];
+    EXPECT_EQ(loop["number"], 1);
+    EXPECT_EQ(m["loops"][2]["number"], 3);
+    // As [grid_slam] named_loops and refuse_loops take it.
+    EXPECT_EQ(loop["loop"], loop_name(example_loop().stamp_ns, example_loop().old_stamp_ns));
     EXPECT_EQ(loop["stamp_s"], 62.5);
     EXPECT_EQ(loop["old_stamp_s"], 4.25);
     EXPECT_EQ(loop["way_m"], 41.5);

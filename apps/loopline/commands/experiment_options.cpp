@@ -24,8 +24,10 @@ void ExperimentOptions::declare(CLI::App& app) {
         ->allow_extra_args(false);
 }
 
-Experiment ExperimentOptions::load() const {
-    return load_experiment(config, overrides, rawlogs, overlays);
+Experiment ExperimentOptions::load(const std::vector<std::string>& more_overrides) const {
+    auto all = overrides;
+    all.insert(all.end(), more_overrides.begin(), more_overrides.end());
+    return load_experiment(config, all, rawlogs, overlays);
 }
 
 }  // namespace loopline

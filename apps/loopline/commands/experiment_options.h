@@ -17,7 +17,8 @@ struct ExperimentOptions {
     std::vector<std::string> rawlogs, overlays, overrides;
 
     void declare(CLI::App& app);
-    Experiment load() const;
+    /// With further overrides after those of the command line.
+    Experiment load(const std::vector<std::string>& more_overrides = {}) const;
 };
 
 /// "--overlay FILE.ini" alone.

@@ -4,13 +4,16 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <iostream>
 
 #include "commands/experiment_options.h"
 #include "pipeline/checkpoint.h"
 #include "pipeline/large_pages.h"
 #include "pipeline/log_file.h"
+#include "pipeline/loop_rejection.h"
 #include "pipeline/run.h"
 #include "pipeline/supervisor.h"
 
@@ -55,21 +58,26 @@ class RunCommand : public Command {
             ->type_name("DIR");
         app.add_option("--threads", threads_, "At most so many; the result does not depend on it")
             ->check(CLI::Range(1, 1024));
-        app.add_flag("--resume", resume_, "Go on from the checkpoint in the run directory");
+        auto* resume = app.add_flag("--resume", resume_, "Go on from the checkpoint in the run directory");
+        app.add_option("--reject-loop", rejected_,
+                       "Loop N of the run directory's metrics.json is none: run again from before it; may be "
+                       "repeated")
+            ->type_name("N")
+            ->allow_extra_args(false)
+            ->excludes(resume);
         app.add_flag("--quiet", quiet_, "Say nothing but warnings and errors");
     }
 
     ExitCode run() override {
         RunSetup setup;
         setup.start = std::chrono::steady_clock::now();
-        setup.experiment = options_.load();
         setup.folder =
             folder_.empty() ? fs::path("runs") / fs::path(options_.config).stem() : fs::path(folder_);
+        take_up(setup);
         setup.threads = threads_;
         setup.quiet = quiet_;
         for (const auto& rawlog : setup.experiment.run.rawlogs) LogFile can_be_opened(rawlog);
         check_folder(setup.folder);
-        if (resume_) setup.checkpoint = std::make_shared<const Checkpoint>(setup.folder, setup.experiment);
         set_cost_so_far(setup);
 
         return static_cast<ExitCode>(
@@ -81,10 +89,34 @@ class RunCommand : public Command {
     }
 
  private:
+    /// What to run, and from where on.
+    void take_up(RunSetup& setup) const {
+        const ExperimentLoader load = [this](const std::vector<std::string>& overrides) {
+            return options_.load(overrides);
+        };
+        if (rejected_.empty()) {
+            setup.experiment = options_.load();
+            if (!resume_) return;
+            setup.experiment = with_rejections_of_checkpoint(setup.folder, std::move(setup.experiment), load);
+            setup.checkpoint = std::make_shared<const Checkpoint>(setup.folder, setup.experiment);
+            return;
+        }
+        RejectedRun run = reject_loops(setup.folder, rejected_, load);
+        setup.experiment = std::move(run.experiment);
+        setup.checkpoint = std::move(run.checkpoint);
+        if (setup.checkpoint) return;
+        remove_checkpoint(setup.folder);  // of a run without the rejection
+        if (!quiet_)
+            std::cerr << "loopline: no state is kept from before loop "
+                      << *std::min_element(rejected_.begin(), rejected_.end())
+                      << ", so the run starts from the beginning\n";
+    }
+
     ExperimentOptions options_;
     std::string folder_;
     int threads_ = 1;
     bool quiet_ = false, resume_ = false;
+    std::vector<std::uint64_t> rejected_;
 };
 
 }  // namespace

@@ -159,6 +159,7 @@ class SweepCommand : public Command {
                 std::vector<std::string> words{"run", config_, "--out", out.string(), "--quiet"};
                 for (const char* output : {"trajectory", "maps", "snapshots", "report"})
                     words.insert(words.end(), {"--set", std::string("outputs.") + output + "=false"});
+                words.insert(words.end(), {"--set", "outputs.states_mb=0"});
                 words.insert(words.end(), log.arguments.begin(), log.arguments.end());
                 for (const auto& overlay : overlays_) words.insert(words.end(), {"--overlay", overlay});
                 for (const auto& assignment : overrides_) words.insert(words.end(), {"--set", assignment});

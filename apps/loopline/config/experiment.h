@@ -36,6 +36,7 @@ struct OutputSettings {
     bool maps = true;
     bool snapshots = true;
     bool report = true;
+    double states_mb = 500;  ///< that states before loops may take; 0: none is kept
     std::vector<std::string>
         record;  ///< classes or sensor labels of published observations to keep in recorded.rawlog
 };

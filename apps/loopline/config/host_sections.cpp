@@ -51,6 +51,9 @@ ParameterTable outputs_table(OutputSettings& settings) {
         .boolean("maps", settings.maps, "Map files, one set for each kind of map.")
         .boolean("snapshots", settings.snapshots, "Pictures of trajectory and map.")
         .boolean("report", settings.report, "report.html, one page to look at.")
+        .real(
+            "states_mb", settings.states_mb, {0, 1e6},
+            "States before each loop is closed, for --reject-loop, take no more than this; 0: none is kept.")
         .list("record", settings.record,
               "Classes or sensor labels of published observations to keep in recorded.rawlog; empty: none.");
     return table;

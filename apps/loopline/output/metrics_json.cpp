@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "api/loop_closer.h"
 #include "output/line_map_csv.h"
 #include "output/output_file.h"
 #include "output/run_directory.h"
@@ -83,9 +84,11 @@ double seconds_since(StampNs first_stamp_ns, StampNs stamp_ns) {
     return static_cast<double>(stamp_ns - first_stamp_ns) / 1e9;
 }
 
-ordered_json loop_json(const LoopDecision& loop, StampNs first_stamp_ns) {
+ordered_json loop_json(const LoopDecision& loop, std::size_t number, StampNs first_stamp_ns) {
     constexpr double degrees = 180 / M_PI;
     ordered_json json;
+    json["number"] = number;
+    json["loop"] = loop_name(loop.stamp_ns, loop.old_stamp_ns);
     json["stamp_s"] = seconds_since(first_stamp_ns, loop.stamp_ns);
     json["old_stamp_s"] = seconds_since(first_stamp_ns, loop.old_stamp_ns);
     set_finite(json, "way_m", loop.way_m);
@@ -108,7 +111,7 @@ ordered_json metrics_json(const RunRecord& record) {
     set_module_figures(json, record.results.metrics);
     ordered_json loops = ordered_json::array();
     for (const LoopDecision& loop : record.results.loops)
-        loops.push_back(loop_json(loop, record.first_stamp_ns));
+        loops.push_back(loop_json(loop, loops.size() + 1, record.first_stamp_ns));
     if (!loops.empty()) json["loops"] = std::move(loops);
     ordered_json modules = ordered_json::object();
     for (const auto& [name, timing] : record.modules) {

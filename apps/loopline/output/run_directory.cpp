@@ -80,6 +80,7 @@ void write_run_directory(const std::filesystem::path& folder, const RunRecord& r
     write_metrics(folder, record);
     list.add("metrics.json");
     list.add("manifest.json");
+    for (const auto& state : record.states) list.add(state);
     remove_stale(folder, before, list.files);
     write_manifest(folder, record, list.warnings, list.files);
 }

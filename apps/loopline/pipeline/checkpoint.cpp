@@ -18,8 +18,14 @@ void fields(Archive& archive, LogIdentity& log) {
 }
 
 template <class Archive>
+void fields(Archive& archive, KeptState& state) {
+    archive(state.loop, state.items, state.bytes);
+}
+
+template <class Archive>
 void fields(Archive& archive, CheckpointHead& head) {
-    archive(head.program, head.effective_ini, head.logs, head.items, head.wall_s, head.cpu_s);
+    archive(head.program, head.effective_ini, head.logs, head.items, head.wall_s, head.cpu_s, head.loop,
+            head.loop_ns, head.kept);
 }
 
 template <class Archive>
@@ -62,7 +68,8 @@ int add_build_id(dl_phdr_info* library, std::size_t, void* text) {
     return 0;
 }
 
-/// "[line_slam] interval_scans = 7, and now 20": the first line in which two configurations differ.
+}  // namespace
+
 std::string first_difference(const std::string& before, const std::string& now) {
     std::istringstream a(before), b(now);
     std::string section, line_a, line_b;
@@ -79,8 +86,6 @@ std::string first_difference(const std::string& before, const std::string& now) 
     }
     return "a key that the other has not";
 }
-
-}  // namespace
 
 fs::path checkpoint_in(const fs::path& folder) {
     return folder / "checkpoint.bin";
@@ -109,7 +114,7 @@ std::vector<std::string> modules_without_state(const Experiment& experiment) {
 }
 
 void write_checkpoint(const fs::path& file, const CheckpointHead& head, const ModuleChain& chain,
-                      Recorder& recorder) {
+                      Recorder& recorder, CheckpointSink::Safety safety) {
     RecorderState recorded = recorder.state();
     CheckpointSink sink(file);
     mrpt::serialization::CArchiveStreamBase<CheckpointSink> archive(sink);
@@ -121,7 +126,7 @@ void write_checkpoint(const fs::path& file, const CheckpointHead& head, const Mo
         module->save_state(archive);
         writer.form("end of " + module->info().name, 0);
     }
-    sink.commit(CheckpointSink::Safety::disk);
+    sink.commit(safety);
 }
 
 void write_beginning(const fs::path& file, const CheckpointHead& head) {
@@ -146,14 +151,30 @@ Checkpoint::Checkpoint(const fs::path& folder, const Experiment& experiment) : f
                (names.empty() ? "" : " (module " + names.front() + " can't make any)"));
     }
     try {
-        bytes_.emplace(file_);
-        mrpt::serialization::CArchiveStreamBase<CheckpointBytes> archive(*bytes_);
-        StateReader reader(archive);
-        reader(head_);
+        read();
     } catch (const std::exception& e) {
         refuse(std::string("this checkpoint can't be used: ") + e.what());
     }
     check(experiment);
+}
+
+std::shared_ptr<const Checkpoint> Checkpoint::kept(const fs::path& file,
+                                                   const std::function<bool(const CheckpointHead&)>& serves) {
+    std::shared_ptr<Checkpoint> checkpoint(new Checkpoint(file));
+    try {
+        checkpoint->read();
+    } catch (const std::exception&) {
+        return nullptr;
+    }
+    const CheckpointHead& head = checkpoint->head_;
+    return head.program == build_of_this_program() && serves(head) ? checkpoint : nullptr;
+}
+
+void Checkpoint::read() {
+    bytes_.emplace(file_);
+    mrpt::serialization::CArchiveStreamBase<CheckpointBytes> archive(*bytes_);
+    StateReader reader(archive);
+    reader(head_);
 }
 
 void Checkpoint::check(const Experiment& experiment) const {
@@ -193,7 +214,9 @@ void Checkpoint::restore(ModuleChain& chain, Recorder& recorder) const {
 }
 
 void Checkpoint::refuse(const std::string& clause) const {
-    throw CommandError(exit_configuration, file_.string() + ": " + clause + "; " + start_over);
+    throw CommandError(exit_configuration,
+                       file_.string() + ": " + clause + "; " +
+                           (head_.loop > 0 ? "remove it to go on from an earlier one" : start_over));
 }
 
 }  // namespace loopline

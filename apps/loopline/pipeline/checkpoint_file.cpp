@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // In front the name of the format, at the end the CRC-32 of all before it.
-const std::string format_name = "LOOPLINE CHECKPOINT 1\n";
+const std::string format_name = "LOOPLINE CHECKPOINT 2\n";
 constexpr std::size_t checksum_bytes = sizeof(std::uint32_t);
 constexpr std::size_t checkpoint_buffer_bytes = std::size_t{1} << 18;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <iterator>
 
 namespace loopline {
 namespace {
@@ -27,9 +28,25 @@ Checkpoints::Checkpoints(const RunSetup& setup, const Attempt& attempt, ModuleCh
         resumed_at_ = setup.checkpoint->head().items;
         logs_ = setup.checkpoint->head().logs;
     }
+    if (possible_ && setup.experiment.outputs.states_mb > 0)
+        for (const auto& module : chain.modules())
+            if (closer_ == nullptr) closer_ = dynamic_cast<const LoopCloser*>(module.get());
+    if (resumed_at_ > 0) {
+        const auto& kept = setup.checkpoint->head().kept;
+        std::copy_if(kept.begin(), kept.end(), std::back_inserter(kept_), [&setup](const KeptState& state) {
+            std::error_code none;
+            return std::filesystem::exists(setup.folder / kept_state_name(state.loop), none);
+        });
+        if (closer_ != nullptr) loop_at_hand_ = closer_->loop_at_hand();
+    }
     schedule(0);
     if (next_look_ != never && resumed_at_ == 0) next_look_ = Clock::now() + beginning;
     began_ = resumed_at_ > 0;
+    // If this is killed, --resume must not go on from before the rejection.
+    if (resumed_at_ > 0 && setup.checkpoint->head().loop > 0)
+        write(resumed_at_);
+    else
+        written_at_ = resumed_at_;
 }
 
 /// The next one, `least_s` of CPU time from now or later.
@@ -66,8 +83,15 @@ void Checkpoints::look_at_the_clock(std::uint64_t items) {
 CheckpointHead Checkpoints::head(std::uint64_t items) {
     RunRecord cost;
     set_cost(cost, setup_);
-    return {build_of_this_program(),        setup_.experiment.effective_ini, logs(), items,
-            cost.wall_s + earlier_wall_s(), cost.cpu_s + earlier_cpu_s()};
+    return {build_of_this_program(),
+            setup_.experiment.effective_ini,
+            logs(),
+            items,
+            cost.wall_s + earlier_wall_s(),
+            cost.cpu_s + earlier_cpu_s(),
+            0,
+            0,
+            kept_};
 }
 
 void Checkpoints::give_up(const std::exception& reason) {
@@ -85,19 +109,41 @@ void Checkpoints::discard() {
 
 bool Checkpoints::write(std::uint64_t items) {
     if (!possible_) return false;
-    if (items == resumed_at_) return true;
+    if (items == written_at_) return true;
     try {
         began_ = true;
         const CheckpointHead now = head(items);  // with the logs' hashes, which are needed at the end anyway
         const auto start = Clock::now();
         made_folder_ = std::filesystem::create_directories(setup_.folder) || made_folder_;
-        write_checkpoint(checkpoint_in(setup_.folder), now, chain_, recorder_);
+        write_checkpoint(checkpoint_in(setup_.folder), now, chain_, recorder_, CheckpointSink::Safety::disk);
+        written_at_ = items;
         schedule(pause_per_writing * std::chrono::duration<double>(Clock::now() - start).count());
         return true;
     } catch (const std::exception& e) {
         give_up(e);
     }
     return false;
+}
+
+/// A loop is going to be closed, or one was: then there is nothing to do.
+void Checkpoints::keep_state(std::uint64_t items) {
+    loop_at_hand_ = closer_->loop_at_hand();
+    if (loop_at_hand_ == 0) return;
+    try {
+        CheckpointHead now = head(items);
+        now.loop = loop_at_hand_;
+        now.loop_ns = closer_->loop_at_hand_ns();
+        const auto file = setup_.folder / kept_state_name(loop_at_hand_);
+        made_folder_ = std::filesystem::create_directories(setup_.folder) || made_folder_;
+        std::filesystem::create_directories(file.parent_path());
+        write_checkpoint(file, now, chain_, recorder_, CheckpointSink::Safety::file);
+        kept_.push_back({loop_at_hand_, items, std::filesystem::file_size(file)});
+        thin_kept_states(setup_.folder, static_cast<std::uint64_t>(setup_.experiment.outputs.states_mb * 1e6),
+                         kept_);
+    } catch (const std::exception& e) {
+        closer_ = nullptr;
+        warnings_.push_back(std::string("no more states are kept before loops: ") + e.what());
+    }
 }
 
 const std::vector<LogIdentity>& Checkpoints::logs() {

@@ -7,7 +7,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "api/loop_closer.h"
 #include "pipeline/checkpoint.h"
+#include "pipeline/kept_states.h"
 #include "pipeline/run.h"
 
 namespace loopline {
@@ -26,6 +28,7 @@ class Checkpoints {
 
     /// After each item that the chain has seen; `items` with it.
     void after_item(std::uint64_t items) {
+        if (closer_ != nullptr && closer_->loop_at_hand() != loop_at_hand_) keep_state(items);
         if (every_items_ > 0 && items % every_items_ == 0)
             write(items);
         else if (next_look_ != never && chain_.latest_tick() - latest_glance_ >= ticks_per_glance)
@@ -43,6 +46,9 @@ class Checkpoints {
 
     const std::vector<std::string>& warnings() const { return warnings_; }
 
+    /// Of the moments before loops were closed.
+    const std::vector<KeptState>& kept_states() const { return kept_; }
+
  private:
     using Clock = std::chrono::steady_clock;
     static constexpr Clock::time_point never = Clock::time_point::max();
@@ -50,6 +56,7 @@ class Checkpoints {
     static constexpr std::int64_t ticks_per_glance = 1'000'000;
     void glance_at_the_clock(std::uint64_t items);
     void look_at_the_clock(std::uint64_t items);
+    void keep_state(std::uint64_t items);
     void schedule(double least_s);
     void give_up(const std::exception& reason);
     CheckpointHead head(std::uint64_t items);
@@ -58,11 +65,14 @@ class Checkpoints {
     ModuleChain& chain_;
     Recorder& recorder_;
     bool possible_;
-    std::uint64_t every_items_ = 0, resumed_at_ = 0;
+    std::uint64_t every_items_ = 0, resumed_at_ = 0, written_at_ = 0;
     Clock::time_point next_look_ = never;
     std::int64_t latest_glance_ = 0;
     double due_s_ = 0;  ///< CPU time of this process
     bool began_ = false, made_folder_ = false;
+    const LoopCloser* closer_ = nullptr;  ///< if states are kept
+    std::uint64_t loop_at_hand_ = 0;
+    std::vector<KeptState> kept_;
     std::vector<LogIdentity> logs_;
     std::vector<std::string> warnings_;
 };

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "api/loop_closer.h"
 #include "api/observation_class.h"
 #include "commands/command.h"
 #include "pipeline/checkpoints.h"
@@ -184,6 +185,12 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     record.earlier_cpu_s = checkpoints.earlier_cpu_s();
     for (auto& sentence : recorder.commit()) record.warnings.push_back(std::move(sentence));
     for (const auto& sentence : checkpoints.warnings()) record.warnings.push_back(sentence);
+    for (const auto& module : experiment.modules)
+        if (const auto* closer = dynamic_cast<const LoopCloser*>(module.get()))
+            for (auto& sentence : closer->loop_warnings()) record.warnings.push_back(std::move(sentence));
+    for (const KeptState& state : checkpoints.kept_states())
+        record.states.push_back(kept_state_name(state.loop));
+    if (!setup.calibrates) remove_other_states(setup.folder, checkpoints.kept_states());
     if (!attempt.failure.empty()) record.results.refused = attempt.failure;
     if (points && record.trajectory != nullptr)
         record.feature_points = points->estimates(*record.trajectory, record.odometry);

@@ -36,6 +36,7 @@ struct RunRecord {
     std::vector<std::string>
         warnings;  ///< sentences: stamps going backwards, two sensors with one label, ...
     std::vector<InputRecord> inputs;
+    std::vector<std::string> states;  ///< files kept of moments before loops were closed
 
     LogFacts facts;
     std::uint64_t scans_read = 0;  ///< laser scans in the log

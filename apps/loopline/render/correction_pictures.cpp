@@ -36,6 +36,21 @@ double largest_move_m(const PathCorrection& correction) {
     return largest_m;
 }
 
+/// Number of the loop that a correction is for: the last one accepted until then; 0 if there is none.
+std::size_t loop_of(const Results& results, const PathCorrection& correction) {
+    std::size_t number = 0;
+    for (std::size_t i = 0; i < results.loops.size(); ++i)
+        if (results.loops[i].accepted && results.loops[i].stamp_ns <= correction.stamp_ns) number = i + 1;
+    return number;
+}
+
+std::string title_of(const Results& results, std::size_t i) {
+    const PathCorrection& correction = results.corrections[i];
+    const std::size_t loop = loop_of(results, correction);
+    return (loop > 0 ? "loop " + std::to_string(loop) : std::string("a loop")) + " closes " +
+           misclosure_text(correction.T_before_after);
+}
+
 std::string subtitle_of(const Results& results, std::size_t i, StampNs first_stamp_ns) {
     const PathCorrection& correction = results.corrections[i];
     return tick_text(seconds_between(first_stamp_ns, correction.stamp_ns), 0.1) +
@@ -53,10 +68,9 @@ std::vector<std::filesystem::path> write_correction_pictures(const Results& resu
     if (!results.corrections.empty()) std::filesystem::create_directories(folder);
     for (const std::size_t i : worth_a_picture(results.corrections)) {
         const PathCorrection& correction = results.corrections[i];
-        const CorrectionContent content{
-            correction, results.frame_points_base_m,
-            run_title + ": a loop closes " + misclosure_text(correction.T_before_after),
-            subtitle_of(results, i, first_stamp_ns)};
+        const CorrectionContent content{correction, results.frame_points_base_m,
+                                        run_title + ": " + title_of(results, i),
+                                        subtitle_of(results, i, first_stamp_ns)};
         files.push_back(folder / ("correction_" + std::to_string(i + 1) + ".png"));
         write_png(draw_correction(content, correction_picture_size(content)), files.back());
     }
