@@ -109,7 +109,9 @@ class GridSurfaces {
 class IndexedSurfaces {
  public:
     IndexedSurfaces(const SurfaceIndex& index, double reach_m)
-        : index_(index), reach2_m2_(static_cast<float>(reach_m * reach_m)) {}
+        : index_(index),
+          reach2_m2_(static_cast<float>(reach_m * reach_m)),
+          scale_m_(static_cast<float>(index.spacing_m())) {}
 
     Correspondence at(const Eigen::Vector2d& p_map_m, const Eigen::Vector2d& normal) const {
         const auto px = static_cast<float>(p_map_m.x()), py = static_cast<float>(p_map_m.y()),
@@ -120,12 +122,12 @@ class IndexedSurfaces {
             if (dx * dx + dy * dy < reach2_m2_ && q.nx * nx + q.ny * ny > 0.7F)
                 nearby.add(dx, dy, q.nx, q.ny, 1);
         });
-        return nearby.average(p_map_m, 1, 0.05F);
+        return nearby.average(p_map_m, 1, scale_m_);
     }
 
  private:
     const SurfaceIndex& index_;
-    float reach2_m2_;
+    float reach2_m2_, scale_m_;
 };
 
 struct NormalEquations {

@@ -12,8 +12,11 @@ namespace loopline::grid_map {
 
 class SurfaceIndex {
  public:
-    /// `bucket_m`: at least as long as the longest reach that is asked for.
-    explicit SurfaceIndex(double bucket_m) : per_bucket_(1 / bucket_m) {}
+    /// `bucket_m`: at least as long as the longest reach that is asked for. `spacing_m`: of the points along a
+    /// surface. `slots`: about as many as there will be points, a power of two.
+    explicit SurfaceIndex(double bucket_m, double spacing_m = 0.05, std::size_t slots = 1024)
+        : per_bucket_(1 / bucket_m), spacing_m_(spacing_m), slots_(slots) {}
+    double spacing_m() const { return spacing_m_; }
 
     void clear();
     /// Points of a frame at its pose; those without a normal are no surface.
@@ -38,18 +41,18 @@ class SurfaceIndex {
     bool empty() const { return sorted_.empty(); }
 
  private:
-    static constexpr std::size_t slots = 1024;
     int bucket(double v_m) const {
         const double v = v_m * per_bucket_;
         const int i = static_cast<int>(v);
         return i > v ? i - 1 : i;
     }
-    static std::size_t slot_of(int bx, int by) {
+    std::size_t slot_of(int bx, int by) const {
         return (static_cast<std::uint32_t>(bx) * 73856093U ^ static_cast<std::uint32_t>(by) * 19349663U) %
-               slots;
+               slots_;
     }
 
-    double per_bucket_;
+    double per_bucket_, spacing_m_;
+    std::size_t slots_;
     std::vector<Point> points_, sorted_;
     std::vector<std::uint32_t> begin_;
 };
