@@ -7,6 +7,7 @@ namespace loopline::grid_map {
 namespace {
 
 constexpr int fit_reach = 4;  ///< cells to each side that a surface is fitted through
+constexpr int least_reach = 2;  ///< the same where it ends or turns within them
 constexpr int window_side = 2 * fit_reach + 1;
 
 /// The cells around one of them, by which side of the occupied ones they are on.
@@ -31,7 +32,7 @@ class Surroundings {
     }
 
     /// Occupied cells that border on a free part, as far as they hang together with the middle.
-    std::vector<Eigen::Vector2d> front(int of_part) const {
+    std::vector<Eigen::Vector2d> front(int of_part, int within) const {
         bool seen[window_side][window_side] = {};
         std::vector<std::pair<int, int>> open{{0, 0}};
         seen[fit_reach][fit_reach] = true;
@@ -43,7 +44,7 @@ class Surroundings {
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx) {
                     const int nx = cx + dx, ny = cy + dy;
-                    if (std::abs(nx) > fit_reach || std::abs(ny) > fit_reach || seen[ny + fit_reach][nx + fit_reach])
+                    if (std::abs(nx) > within || std::abs(ny) > within || seen[ny + fit_reach][nx + fit_reach])
                         continue;
                     seen[ny + fit_reach][nx + fit_reach] = true;
                     if (map_.at(x_ + nx, y_ + ny) == MapCell::occupied && borders(nx, ny, of_part))
@@ -86,14 +87,14 @@ class Surroundings {
 
 struct CellLine {
     bool good = false;
-    Eigen::Vector2d mean_m, normal;
+    Eigen::Vector2d mean_m = Eigen::Vector2d::Zero(), normal = Eigen::Vector2d::Zero();
 };
 
 /// By least squares; bad if the points scatter about it by more than cells do, or are as wide as they are
 /// long.
 CellLine line_through(const std::vector<Eigen::Vector2d>& points_m, double cell_m) {
     CellLine line;
-    if (points_m.size() < 4) return line;
+    if (points_m.size() < 3) return line;
     const auto n = static_cast<double>(points_m.size());
     line.mean_m.setZero();
     for (const auto& p : points_m) line.mean_m += p / n;
@@ -104,7 +105,7 @@ CellLine line_through(const std::vector<Eigen::Vector2d>& points_m, double cell_
                  along = mean + half;
     const double along_rad = 0.5 * std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1));
     line.normal = {-std::sin(along_rad), std::cos(along_rad)};
-    line.good = across <= 0.5 * cell_m * cell_m && across <= 0.2 * along;
+    line.good = across <= 0.5 * cell_m * cell_m && across <= 0.15 * along;
     return line;
 }
 
@@ -122,7 +123,9 @@ void add_cell(const CoarseOccupancy& map, int x, int y, std::vector<SurfacePoint
     Surroundings around(map, x, y);
     const int parts = around.divide();
     for (int part = 0; part < parts; ++part) {
-        const CellLine line = line_through(around.front(part), map.cell_m);
+        CellLine line;
+        for (int within = fit_reach; within >= least_reach && !line.good; --within)
+            line = line_through(around.front(part, within), map.cell_m);
         if (!line.good) continue;
         const Eigen::Vector2d p_m = at_m + line.normal.dot(line.mean_m - at_m) * line.normal;
         for (const double sign : {1.0, -1.0})

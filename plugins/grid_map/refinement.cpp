@@ -98,6 +98,7 @@ class GridSurfaces {
             });
         return nearby.average(p_map_m, grid_.cell_m(), 1);
     }
+    static constexpr bool has_rough_normals() { return false; }
 
  private:
     const ScanGrid& grid_;
@@ -124,6 +125,7 @@ class IndexedSurfaces {
         });
         return nearby.average(p_map_m, 1, scale_m_);
     }
+    bool has_rough_normals() const { return index_.has_rough_normals(); }
 
  private:
     const SurfaceIndex& index_;
@@ -141,7 +143,8 @@ struct NormalEquations {
     int used = 0, of = 0;
 };
 
-/// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p).
+/// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p). n is the
+/// map's; where steps from row to row of cells turn that one, it is the scan's.
 template <class Surfaces>
 NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const std::vector<float>& worth,
                           const Pose2& T, const RefinementSettings& settings) {
@@ -159,15 +162,16 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
         const Eigen::Vector2d p_map(T.x_m + turned.x(), T.y_m + turned.y());
         const Correspondence surface = surfaces.at(p_map, normal);
         if (!surface.found) continue;
-        const double e = surface.normal_map.dot(p_map - surface.p_map_m);
+        const Eigen::Vector2d& across = surfaces.has_rough_normals() ? normal : surface.normal_map;
+        const double e = across.dot(p_map - surface.p_map_m);
         // Cauchy's weight: what is three sigmas off counts a tenth.
         const double w = static_cast<double>(worth[i]) * per_sigma2 / (1 + e * e * per_sigma2);
-        const Eigen::Vector3d j(surface.normal_map.x(), surface.normal_map.y(),
-                                -surface.normal_map.x() * turned.y() + surface.normal_map.y() * turned.x());
-        const Eigen::Vector3d of_scan(normal.x(), normal.y(),
-                                      -normal.x() * turned.y() + normal.y() * turned.x());
+        const auto along = [&turned](const Eigen::Vector2d& n) {
+            return Eigen::Vector3d(n.x(), n.y(), -n.x() * turned.y() + n.y() * turned.x());
+        };
+        const Eigen::Vector3d j = along(across);
         sums.information += w * j * j.transpose();
-        sums.by_both_normals += w * j * of_scan.transpose();
+        sums.by_both_normals += w * along(surface.normal_map) * along(normal).transpose();
         sums.gradient -= w * e * j;
         sums.squares += e * e;
         ++sums.used;

@@ -35,7 +35,7 @@ FrozenMap::FrozenMap(const MapServerMap& map, double cell_m, double reach_m)
       T_picture_map_(map.T_map_picture.inverse()),
       grid_(cells_of(cells_.cell_m)),
       coarse_grid_(cells_of(coarse_cell_m(map, cells_.cell_m))),
-      surfaces_(reach_m, cells_.cell_m, slots_for(cells_)) {
+      surfaces_(reach_m, cells_.cell_m, slots_for(cells_), true) {
     const grid_map::Frame frame = grid_map::surfaces_of(cells_);
     grid_.insert(frame, map.T_map_picture);
     coarse_grid_.insert(frame, map.T_map_picture);

@@ -52,6 +52,7 @@ void GridLocalisation::begin_search(bool whole_map, const Motion& guess) {
     local_ = std::make_unique<GridSlam>(local_settings());
     region_ = {whole_map, guess.T_before_now, guess.covariance};
     T_map_local_ = guess.T_before_now;
+    covariance_at_first_ = guess.covariance;
     local_way_m_ = 0;
     earlier_looks_ += search_.looks();
     search_ = StartSearch(settings_.start);
@@ -130,6 +131,16 @@ void GridLocalisation::become_lost(const PlanarScan& scan, const Prediction& pre
     result.covariance = since_fitting_.covariance;
 }
 
+/// Mapping on its own errs by little beside what was uncertain when the search began.
+Eigen::Matrix3d GridLocalisation::grown_since_search_began() const {
+    constexpr double per_way = 0.02, rad_per_m = 0.2 * M_PI / 180;
+    const Eigen::Matrix3d carried = carried_by(region_.T_map_base.translation() - T_map_local_.translation());
+    const double grown_m = per_way * local_way_m_, grown_rad = rad_per_m * local_way_m_;
+    Eigen::Matrix3d covariance = carried * covariance_at_first_ * carried.transpose();
+    covariance.diagonal() += Eigen::Vector3d(grown_m, grown_m, grown_rad).cwiseAbs2();
+    return covariance;
+}
+
 LocalisedScan GridLocalisation::search(const PlanarScan& scan, const Prediction& prediction,
                                        const grid_map::SweepMotion& sweep) {
     LocalisedScan result;
@@ -138,9 +149,8 @@ LocalisedScan GridLocalisation::search(const PlanarScan& scan, const Prediction&
     result.match = local.match;
     result.known = !region_.whole_map;
     if (result.known) {
-        const Motion guess = Motion{region_.T_map_base, region_.covariance} * prediction.motion;
         region_.T_map_base = T_map_local_ * local.T_map_base;
-        region_.covariance = guess.covariance;
+        region_.covariance = grown_since_search_began();
         result.T_map_base = region_.T_map_base;
         result.covariance = region_.covariance;
     } else {

@@ -25,7 +25,7 @@ struct LocalisationSettings {
     grid_map::FrameSettings frame;
     ForwardSettings forward;
     StartSettings start;
-    double good_fit = 0.5;  ///< part of the returns on surfaces of the map, from which a scan counts as fitting
+    double good_fit = 0.35;  ///< part of the returns on surfaces of the map, from which a scan counts as fitting
     double lost_after_m = 5;  ///< way without a scan that fits, after which the place is searched for
 };
 
@@ -83,6 +83,7 @@ class GridLocalisation {
     LocalisedScan follow(const Prediction& prediction);
     LocalisedScan search(const PlanarScan& scan, const Prediction& prediction,
                          const grid_map::SweepMotion& sweep);
+    Eigen::Matrix3d grown_since_search_began() const;
     void begin_search(bool whole_map, const Motion& guess);
     void become_lost(const PlanarScan& scan, const Prediction& prediction,
                      const grid_map::SweepMotion& sweep, LocalisedScan& result);
@@ -112,6 +113,7 @@ class GridLocalisation {
     StartRegion region_;               ///< where the place may be
     double local_way_m_ = 0;
     Pose2 T_map_local_;  ///< as guessed
+    Eigen::Matrix3d covariance_at_first_ = Eigen::Matrix3d::Zero();  ///< of that guess
     StartSearch search_;
     std::int64_t earlier_looks_ = 0;  ///< of searches before this one
 };

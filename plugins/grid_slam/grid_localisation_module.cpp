@@ -132,6 +132,13 @@ void GridLocalisationModule::report_lost(Results& results) const {
     results.metrics["scans_without_place"] = scans;
 }
 
+/// Of the scans since the place was first known.
+double GridLocalisationModule::share_matched() const {
+    const std::size_t scans = localisation_->scans() - localisation_->known_from();
+    if (!localisation_->ever_known() || scans == 0) return 0;
+    return static_cast<double>(localisation_->matched()) / static_cast<double>(scans);
+}
+
 /// Whether the result can be kept as one.
 void GridLocalisationModule::judge(Results& results) const {
     const StartLook& look = localisation_->search().latest();
@@ -145,10 +152,8 @@ void GridLocalisationModule::judge(Results& results) const {
                           "goes on to where the building is like no other place";
         return;
     }
-    const double share = static_cast<double>(localisation_->matched()) /
-                         static_cast<double>(std::max<std::size_t>(1, localisation_->scans()));
-    if (share < min_matched_)
-        results.refused = "only " + decimals(100 * share, 0) + " % of the scans fit " + map_path_ +
+    if (share_matched() < min_matched_)
+        results.refused = "only " + decimals(100 * share_matched(), 0) + " % of the scans fit " + map_path_ +
                           "; check that the map is of this place, start_x_m, start_y_m and start_yaw_deg, and "
                           "[mount], or start with start = global";
 }
@@ -160,8 +165,7 @@ void GridLocalisationModule::finish(Results& results) {
     metrics["scans_matched"] = static_cast<std::int64_t>(localisation_->matched());
     metrics["scans_unmatched"] = static_cast<std::int64_t>(localisation_->unmatched());
     metrics["scans_degenerate"] = static_cast<std::int64_t>(localisation_->degenerate());
-    metrics["share_matched"] =
-        scans > 0 ? static_cast<double>(localisation_->matched()) / static_cast<double>(scans) : 0.0;
+    metrics["share_matched"] = share_matched();
     metrics["searches"] = localisation_->searches();
     metrics["map_cell_m"] = map_->cell_m();
     metrics["map_surface_points"] = static_cast<std::int64_t>(map_->surface_points());

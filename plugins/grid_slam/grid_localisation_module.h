@@ -46,6 +46,7 @@ class GridLocalisationModule : public Module {
     void report_start(Results& results) const;
     void report_lost(Results& results) const;
     void judge(Results& results) const;
+    double share_matched() const;
     double since_first_s(std::size_t scan) const;
 
     grid_slam::LocalisationSettings settings_;

@@ -24,7 +24,7 @@ void fields(Archive& archive, GridLocalisation& l) {
     if constexpr (Archive::reading)
         l.local_ = searching ? std::make_unique<GridSlam>(l.local_settings()) : nullptr;
     if (searching) archive(*l.local_);
-    archive(l.region_.whole_map, l.region_.T_map_base, l.region_.covariance, l.local_way_m_, l.T_map_local_,
+    archive(l.region_.whole_map, l.region_.T_map_base, l.region_.covariance, l.local_way_m_, l.T_map_local_, l.covariance_at_first_,
             l.search_, l.earlier_looks_);
 }
 

@@ -104,8 +104,8 @@ std::optional<StartSearch::Place> StartSearch::sharpened(const FrozenMap& map,
 std::optional<StartSearch::Place> StartSearch::best_place(const FrozenMap& map,
                                                           const std::vector<Eigen::Vector2f>& points,
                                                           grid_map::SearchWindow window) {
-    // Coarse cells tell places apart less well than fine ones do.
-    constexpr double margin = 0.1;
+    // A place fits coarse cells at least about as well as fine ones.
+    constexpr double margin = 0.02;
     constexpr int most_places = 6;
     const double full = grid_map::ScanGrid::full_likelihood * static_cast<double>(points.size());
     const double coarse_m = map.coarse_grid().cell_m();

@@ -19,7 +19,7 @@ namespace loopline::grid_slam {
 struct StartSettings {
     double latest_m = 5;  ///< way of the vehicle up to now, whose frames are searched for
     double every_m = 0.7;  ///< way between two looks
-    int search_points = 250;
+    int search_points = 200;
     double min_likelihood = 0.5;  ///< mean over the returns, 0 .. 1
     double min_fit = 0.6;         ///< part of the returns on a surface of the map
     double rival = 0.85;  ///< another place as likely as this part of the best one makes it ambiguous
