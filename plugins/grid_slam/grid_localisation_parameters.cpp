@@ -33,6 +33,8 @@ ParameterTable GridLocalisationModule::parameters() {
               "A log of which less than this part of the scans fits the map is refused in the end.")
         .real("search_latest_m", s.start.latest_m, {0, 100},
               "Way of the vehicle up to now, whose scans are searched for together.")
+        .real("search_long_m", s.start.long_m, {0, 1000},
+              "The same where several places fit these, if so much was driven.")
         .real("search_every_m", s.start.every_m, {0.05, 100}, "Way between two searches.")
         .real("search_min_likelihood", s.start.min_likelihood, {0, 1},
               "How well these scans must fit the map on its cells.")

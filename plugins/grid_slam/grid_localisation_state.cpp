@@ -9,9 +9,9 @@ namespace grid_slam {
 template <class Archive>
 void fields(Archive& archive, StartSearch& search) {
     archive(search.looked_at_m_, search.looks_);
-    archive.each(search.sightings_, [](auto& a, auto& s) { a(s.way_m, s.T_local_base, s.T_map_base); });
+    archive.each(search.sightings_, [](auto& a, auto& s) { a(s.way_m, s.T_local_base, s.T_map_base, s.information); });
     auto& look = search.latest_;
-    archive(look.likelihood, look.fit, look.rival, look.T_map_base, look.reason);
+    archive(look.likelihood, look.fit, look.rival, look.T_map_base, look.ambiguous, look.reason);
 }
 
 template <class Archive>

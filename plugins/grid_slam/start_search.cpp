@@ -129,6 +129,7 @@ std::optional<StartSearch::Place> StartSearch::best_place(const FrozenMap& map,
             latest_.T_map_base = best->T_map_base;
             if (latest_.rival >= settings_.rival * best->likelihood) {
                 latest_.reason = "another place of the map fits as well";
+                latest_.ambiguous = true;
                 return std::nullopt;
             }
         } else if (place) {
@@ -148,6 +149,7 @@ std::optional<StartSearch::Place> StartSearch::best_place(const FrozenMap& map,
         }
     }
     latest_.reason = "too many places of the map fit the scans";
+    latest_.ambiguous = true;
     return std::nullopt;
 }
 
@@ -168,8 +170,29 @@ std::optional<StartFound> StartSearch::look(const FrozenMap& map, const MapFrame
     if (frames.size() == 0 || way_m - looked_at_m_ < settings_.every_m) return std::nullopt;
     looked_at_m_ = way_m;
     ++looks_;
+    auto sighting = sight(map, frames, settings_.latest_m, region);
+    // More of the way tells places apart that look alike here, but is less well known in itself.
+    if (!sighting && latest_.ambiguous && frames.path_m[frames.last()] > settings_.latest_m)
+        sighting = sight(map, frames, settings_.long_m, region);
+    if (!sighting) return std::nullopt;
+    sighting->way_m = way_m;
+    const bool certain = agrees(*sighting);
+    sightings_.push_back(*sighting);
+    latest_.reason = certain ? "two looks agree" : "a second look must agree after some way";
+    if (!certain) return std::nullopt;
+    StartFound found;
+    found.T_map_base = sighting->T_map_base;
+    found.information = sighting->information;
+    found.covariance = (sighting->information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
+    found.fit = latest_.fit;
+    return found;
+}
+
+/// The place by one look; `latest_` says why not.
+std::optional<StartSearch::Sighting> StartSearch::sight(const FrozenMap& map, const MapFrames& frames,
+                                                        double latest_m, const StartRegion& region) {
     latest_ = {};
-    const grid_map::Frame latest = latest_frames_as_one(frames, settings_.latest_m);
+    const grid_map::Frame latest = latest_frames_as_one(frames, latest_m);
     const auto points = grid_map::search_points(latest, static_cast<std::size_t>(settings_.search_points));
     if (points.empty()) {
         latest_.reason = "the scans have no returns";
@@ -194,17 +217,7 @@ std::optional<StartFound> StartSearch::look(const FrozenMap& map, const MapFrame
         latest_.reason = "the scans don't hold the pose in all directions";
         return std::nullopt;
     }
-    const Sighting sighting{way_m, frames.poses[frames.last()], fit.T_map_base};
-    const bool certain = agrees(sighting);
-    sightings_.push_back(sighting);
-    latest_.reason = certain ? "two looks agree" : "a second look must agree after some way";
-    if (!certain) return std::nullopt;
-    StartFound found;
-    found.T_map_base = fit.T_map_base;
-    found.information = information;
-    found.covariance = (information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
-    found.fit = fit.fit;
-    return found;
+    return Sighting{0, frames.poses[frames.last()], fit.T_map_base, information};
 }
 
 }  // namespace loopline::grid_slam

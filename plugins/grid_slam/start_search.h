@@ -18,6 +18,7 @@ namespace loopline::grid_slam {
 
 struct StartSettings {
     double latest_m = 5;  ///< way of the vehicle up to now, whose frames are searched for
+    double long_m = 20;   ///< the same where that leaves several places
     double every_m = 0.7;  ///< way between two looks
     int search_points = 200;
     double min_likelihood = 0.5;  ///< mean over the returns, 0 .. 1
@@ -42,6 +43,7 @@ struct StartRegion {
 struct StartLook {
     double likelihood = 0, fit = 0, rival = 0;
     Pose2 T_map_base;
+    bool ambiguous = false;
     std::string reason = "nothing was searched for yet";  ///< why the start is not known
 };
 
@@ -70,6 +72,7 @@ class StartSearch {
     struct Sighting {
         double way_m = 0;
         Pose2 T_local_base, T_map_base;
+        Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     };
     struct Place {
         Pose2 T_map_base;
@@ -80,6 +83,8 @@ class StartSearch {
                                    const grid_map::SearchResult& coarse) const;
     std::optional<Place> best_place(const FrozenMap& map, const std::vector<Eigen::Vector2f>& points,
                                     grid_map::SearchWindow window);
+    std::optional<Sighting> sight(const FrozenMap& map, const MapFrames& frames, double latest_m,
+                                  const StartRegion& region);
     bool agrees(const Sighting& sighting) const;
 
     StartSettings settings_;

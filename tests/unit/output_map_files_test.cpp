@@ -235,7 +235,7 @@ TEST(OutputGrid, cells_follow_the_thresholds_of_the_file_in_all_modes_and_the_or
     const auto cells_of = [&](const std::string& more) {
         std::ofstream(folder / "m.yaml") << "image: m.pgm\nresolution: 0.5\norigin: [-1.3, 7.2, 1.25]\n"
                                          << more;
-        MapServerMap map;
+        loopline::MapServerMap map;
         std::string problem;
         EXPECT_TRUE(read_map_server_map(folder / "m.yaml", map, problem)) << problem;
         EXPECT_EQ(map.width, 3u);
