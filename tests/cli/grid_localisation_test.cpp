@@ -1,4 +1,5 @@
 /// Localisation as a user runs it: what is wrong is said in one sentence, with the exit code that fits.
+#include "commands/command.h"
 #include "run_support.h"
 
 using namespace loopline;
