@@ -6,7 +6,7 @@
 namespace loopline::grid_map {
 namespace {
 
-constexpr int fit_reach = 4;  ///< cells to each side that a surface is fitted through
+constexpr int fit_reach = 4;    ///< cells to each side that a surface is fitted through
 constexpr int least_reach = 2;  ///< the same where it ends or turns within them
 constexpr int window_side = 2 * fit_reach + 1;
 
@@ -28,7 +28,8 @@ class Surroundings {
         return parts;
     }
     int part_at(int dx, int dy) const {
-        return std::abs(dx) > fit_reach || std::abs(dy) > fit_reach ? none : part_[dy + fit_reach][dx + fit_reach];
+        return std::abs(dx) > fit_reach || std::abs(dy) > fit_reach ? none
+                                                                    : part_[dy + fit_reach][dx + fit_reach];
     }
 
     /// Occupied cells that border on a free part, as far as they hang together with the middle.
@@ -44,7 +45,8 @@ class Surroundings {
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx) {
                     const int nx = cx + dx, ny = cy + dy;
-                    if (std::abs(nx) > within || std::abs(ny) > within || seen[ny + fit_reach][nx + fit_reach])
+                    if (std::abs(nx) > within || std::abs(ny) > within ||
+                        seen[ny + fit_reach][nx + fit_reach])
                         continue;
                     seen[ny + fit_reach][nx + fit_reach] = true;
                     if (map_.at(x_ + nx, y_ + ny) == MapCell::occupied && borders(nx, ny, of_part))
@@ -72,7 +74,8 @@ class Surroundings {
             open.pop_back();
             for (const auto& [sx, sy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
                 const int nx = cx + sx, ny = cy + sy;
-                if (std::abs(nx) > fit_reach || std::abs(ny) > fit_reach || !is_free(nx, ny) || part(nx, ny) != none)
+                if (std::abs(nx) > fit_reach || std::abs(ny) > fit_reach || !is_free(nx, ny) ||
+                    part(nx, ny) != none)
                     continue;
                 part(nx, ny) = number;
                 open.emplace_back(nx, ny);
@@ -156,7 +159,8 @@ CoarseOccupancy coarse_occupancy(const MapServerMap& map, double cell_m) {
     for (std::size_t row = 0; row < map.height; ++row)
         for (std::size_t column = 0; column < map.width; ++column) {
             const MapCell cell = map.cells[map.index(column, row)];
-            const std::size_t to = coarse.index(static_cast<int>(column / step), static_cast<int>(row / step));
+            const std::size_t to =
+                coarse.index(static_cast<int>(column / step), static_cast<int>(row / step));
             if (cell == MapCell::occupied) {
                 coarse.cells[to] = cell;
                 ++occupied[to];

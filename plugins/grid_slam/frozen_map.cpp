@@ -21,8 +21,8 @@ double coarse_cell_m(const MapServerMap& map, double cell_m) {
 }
 
 std::size_t slots_for(const grid_map::CoarseOccupancy& cells) {
-    const auto occupied = static_cast<std::size_t>(
-        std::count(cells.cells.begin(), cells.cells.end(), MapCell::occupied));
+    const auto occupied =
+        static_cast<std::size_t>(std::count(cells.cells.begin(), cells.cells.end(), MapCell::occupied));
     std::size_t slots = 1024;
     while (slots < occupied) slots *= 2;
     return slots;
@@ -41,9 +41,8 @@ FrozenMap::FrozenMap(const MapServerMap& map, double cell_m, double reach_m)
     coarse_grid_.insert(frame, map.T_map_picture);
     surfaces_.add(frame, map.T_map_picture);
     surfaces_.finish();
-    surface_points_ =
-        static_cast<std::size_t>(std::count_if(frame.points.begin(), frame.points.end(),
-                                               [](const auto& point) { return point.has_normal(); }));
+    surface_points_ = static_cast<std::size_t>(std::count_if(
+        frame.points.begin(), frame.points.end(), [](const auto& point) { return point.has_normal(); }));
     free_cells_ =
         static_cast<std::size_t>(std::count(cells_.cells.begin(), cells_.cells.end(), MapCell::free));
     const double width_m = map.resolution_m * static_cast<double>(map.width),

@@ -10,8 +10,8 @@ namespace loopline::grid_slam {
 
 class FrozenMap {
  public:
-    /// `cell_m`: cells of a finer map are taken together up to this edge. `reach_m`: the longest distance of a
-    /// return from its surface.
+    /// `cell_m`: cells of a finer map are taken together up to this edge. `reach_m`: the longest distance of
+    /// a return from its surface.
     FrozenMap(const MapServerMap& map, double cell_m, double reach_m);
 
     /// For the search around a place, at cell_m().

@@ -94,8 +94,8 @@ LocalisedScan GridLocalisation::follow(const Prediction& prediction) {
     LocalisedScan result;
     Eigen::Matrix3d covariance = prediction.covariance;
     if (scans_ == 0) covariance += start_covariance(settings_);
-    result.match = match_forward(map_.grid(), map_.surfaces(), frame_, prediction.T_map_base, covariance,
-                                 on_map_);
+    result.match =
+        match_forward(map_.grid(), map_.surfaces(), frame_, prediction.T_map_base, covariance, on_map_);
     const ForwardMatch& match = result.match;
     (match.matched ? matched_ : unmatched_) += 1;
     degenerate_ += match.degeneracy.free_directions > 0 ? 1 : 0;
@@ -212,7 +212,8 @@ void GridLocalisation::lay_out_backwards(const StartFound& found) {
         earlier.covariances.push_back(there.covariance);
     }
     back.poses.insert(back.poses.begin(), earlier.poses.rbegin(), earlier.poses.rend());
-    back.covariances.insert(back.covariances.begin(), earlier.covariances.rbegin(), earlier.covariances.rend());
+    back.covariances.insert(back.covariances.begin(), earlier.covariances.rbegin(),
+                            earlier.covariances.rend());
     const std::size_t count = back.poses.size(), first = poses_.size() - count;
     if (!region_.whole_map) {
         PassResult before;

@@ -25,7 +25,8 @@ struct LocalisationSettings {
     grid_map::FrameSettings frame;
     ForwardSettings forward;
     StartSettings start;
-    double good_fit = 0.35;  ///< part of the returns on surfaces of the map, from which a scan counts as fitting
+    double good_fit =
+        0.35;  ///< part of the returns on surfaces of the map, from which a scan counts as fitting
     double lost_after_m = 5;  ///< way without a scan that fits, after which the place is searched for
 };
 
@@ -85,8 +86,8 @@ class GridLocalisation {
                          const grid_map::SweepMotion& sweep);
     Eigen::Matrix3d grown_since_search_began() const;
     void begin_search(bool whole_map, const Motion& guess);
-    void become_lost(const PlanarScan& scan, const Prediction& prediction,
-                     const grid_map::SweepMotion& sweep, LocalisedScan& result);
+    void become_lost(const PlanarScan& scan, const Prediction& prediction, const grid_map::SweepMotion& sweep,
+                     LocalisedScan& result);
     void lay_out_backwards(const StartFound& found);
     void keep(const Pose2& T_map_base, const Eigen::Matrix3d& covariance);
 
@@ -112,7 +113,7 @@ class GridLocalisation {
     std::unique_ptr<GridSlam> local_;  ///< maps in a frame of its own, from the first scan of the search on
     StartRegion region_;               ///< where the place may be
     double local_way_m_ = 0;
-    Pose2 T_map_local_;  ///< as guessed
+    Pose2 T_map_local_;                                              ///< as guessed
     Eigen::Matrix3d covariance_at_first_ = Eigen::Matrix3d::Zero();  ///< of that guess
     StartSearch search_;
     std::int64_t earlier_looks_ = 0;  ///< of searches before this one

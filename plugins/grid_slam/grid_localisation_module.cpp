@@ -153,9 +153,10 @@ void GridLocalisationModule::judge(Results& results) const {
         return;
     }
     if (share_matched() < min_matched_)
-        results.refused = "only " + decimals(100 * share_matched(), 0) + " % of the scans fit " + map_path_ +
-                          "; check that the map is of this place, start_x_m, start_y_m and start_yaw_deg, and "
-                          "[mount], or start with start = global";
+        results.refused =
+            "only " + decimals(100 * share_matched(), 0) + " % of the scans fit " + map_path_ +
+            "; check that the map is of this place, start_x_m, start_y_m and start_yaw_deg, and "
+            "[mount], or start with start = global";
 }
 
 void GridLocalisationModule::finish(Results& results) {

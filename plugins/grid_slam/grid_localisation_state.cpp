@@ -1,5 +1,5 @@
-/// What of module "grid_localisation" goes into a checkpoint, class by class. The map is not part of it: it is
-/// one of the run's inputs, which a checkpoint knows by their hashes.
+/// What of module "grid_localisation" goes into a checkpoint, class by class. The map is not part of it: it
+/// is one of the run's inputs, which a checkpoint knows by their hashes.
 #include "grid_slam/grid_localisation_module.h"
 #include "grid_slam/navigation_state.h"
 
@@ -9,7 +9,8 @@ namespace grid_slam {
 template <class Archive>
 void fields(Archive& archive, StartSearch& search) {
     archive(search.looked_at_m_, search.looks_);
-    archive.each(search.sightings_, [](auto& a, auto& s) { a(s.way_m, s.T_local_base, s.T_map_base, s.information); });
+    archive.each(search.sightings_,
+                 [](auto& a, auto& s) { a(s.way_m, s.T_local_base, s.T_map_base, s.information); });
     auto& look = search.latest_;
     archive(look.likelihood, look.fit, look.rival, look.T_map_base, look.ambiguous, look.reason);
 }
@@ -24,8 +25,8 @@ void fields(Archive& archive, GridLocalisation& l) {
     if constexpr (Archive::reading)
         l.local_ = searching ? std::make_unique<GridSlam>(l.local_settings()) : nullptr;
     if (searching) archive(*l.local_);
-    archive(l.region_.whole_map, l.region_.T_map_base, l.region_.covariance, l.local_way_m_, l.T_map_local_, l.covariance_at_first_,
-            l.search_, l.earlier_looks_);
+    archive(l.region_.whole_map, l.region_.T_map_base, l.region_.covariance, l.local_way_m_, l.T_map_local_,
+            l.covariance_at_first_, l.search_, l.earlier_looks_);
 }
 
 }  // namespace grid_slam

@@ -11,7 +11,8 @@ ParameterTable GridSlamModule::parameters() {
     scans_.declare(table);
     table.real("cell_m", s.cell_m, {0.01, 1}, "Edge of a cell of the map that scans are matched with.");
     declare_matching(table, s.frame, s.forward);
-    table.real("frame_way_m", s.frame_way_m, {0.01, 10},
+    table
+        .real("frame_way_m", s.frame_way_m, {0.01, 10},
               "A scan becomes part of the map if it is so far from all that are.")
         .angle("frame_turn_deg", s.frame_turn_rad, {0.1, 90}, "Or so turned.")
         .real("new_fit", s.new_fit, {0, 1}, "Or if less than this part of its returns fits the map.")

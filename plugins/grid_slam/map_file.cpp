@@ -52,8 +52,8 @@ bool read_map(const fs::path& named, MapServerMap& map, std::string& problem) {
         return std::find(map.cells.begin(), map.cells.end(), cell) != map.cells.end();
     };
     if (map.resolution_m < finest_m - 1e-9 || map.resolution_m > coarsest_m + 1e-9)
-        problem = "the grid map " + yaml.string() + " has a resolution of " +
-                  number_text(map.resolution_m) + " m; give one with cells of 0.01 to 0.5 m";
+        problem = "the grid map " + yaml.string() + " has a resolution of " + number_text(map.resolution_m) +
+                  " m; give one with cells of 0.01 to 0.5 m";
     else if (!has(MapCell::occupied))
         problem = "the grid map " + yaml.string() +
                   " has no occupied cell; check its thresholds and negate, or give another map";

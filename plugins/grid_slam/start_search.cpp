@@ -35,9 +35,9 @@ grid_map::Frame latest_frames_as_one(const MapFrames& frames, double way_m) {
 /// Of the position along the direction that is held least, whatever the heading.
 double sigma_of_weakest_m(const Eigen::Matrix3d& information) {
     const Eigen::Vector2d with_heading = information.block<2, 1>(0, 2);
-    const Eigen::Matrix2d position = information.topLeftCorner<2, 2>() -
-                                     with_heading * with_heading.transpose() /
-                                         std::max(information(2, 2), 1e-12);
+    const Eigen::Matrix2d position =
+        information.topLeftCorner<2, 2>() -
+        with_heading * with_heading.transpose() / std::max(information(2, 2), 1e-12);
     const double mean = position.trace() / 2,
                  half = std::hypot((position(0, 0) - position(1, 1)) / 2, position(0, 1));
     return 1 / std::sqrt(std::max(mean - half, 1e-12));

@@ -17,13 +17,13 @@
 namespace loopline::grid_slam {
 
 struct StartSettings {
-    double latest_m = 5;  ///< way of the vehicle up to now, whose frames are searched for
-    double long_m = 20;   ///< the same where that leaves several places
+    double latest_m = 5;   ///< way of the vehicle up to now, whose frames are searched for
+    double long_m = 20;    ///< the same where that leaves several places
     double every_m = 0.7;  ///< way between two looks
     int search_points = 200;
     double min_likelihood = 0.5;  ///< mean over the returns, 0 .. 1
     double min_fit = 0.6;         ///< part of the returns on a surface of the map
-    double rival = 0.85;  ///< another place as likely as this part of the best one makes it ambiguous
+    double rival = 0.85;          ///< another place as likely as this part of the best one makes it ambiguous
     double rival_m = 0.6, rival_rad = 15 * M_PI / 180;  ///< another place: farther than this, or so turned
     double max_sigma_m = 0.1;                           ///< how well the scans must hold each direction
     double agree_m = 0.3, agree_rad = 3 * M_PI / 180;   ///< two looks are one place if they differ by less

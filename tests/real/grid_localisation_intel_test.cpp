@@ -35,8 +35,15 @@ TEST(GridLocalisationLogs, intel_lab_in_a_map_of_its_first_part_agrees_with_mapp
     const test::TemporaryFolder folder;
     const std::string data = test::shared_data().string(), ini = LOOPLINE_SOURCE_FOLDER "/ini/real/";
     const auto run = [&](const std::string& name, const std::string& out, std::vector<std::string> more) {
-        std::vector<std::string> arguments{"run", ini + name, "--out", (folder / out).string(), "--quiet",
-                                           "--set", "outputs.snapshots=false", "--set", "outputs.report=false"};
+        std::vector<std::string> arguments{"run",
+                                           ini + name,
+                                           "--out",
+                                           (folder / out).string(),
+                                           "--quiet",
+                                           "--set",
+                                           "outputs.snapshots=false",
+                                           "--set",
+                                           "outputs.report=false"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const auto result = test::run_loopline(arguments, {"LOOPLINE_DATA=" + data});
         EXPECT_EQ(result.exit_code, 0) << result.err;

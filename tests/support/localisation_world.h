@@ -56,9 +56,11 @@ inline MapServerMap map_seen_from(const lines_world::World& world, const std::ve
     const Pose2 T_picture_map = T_map_picture.inverse();
     const auto mark = [&](const Eigen::Vector2d& p_map_m, MapCell as) {
         const Eigen::Vector2d p = T_picture_map * p_map_m / resolution_m;
-        if (p.x() < 0 || p.y() < 0 || p.x() >= static_cast<double>(width) || p.y() >= static_cast<double>(height))
+        if (p.x() < 0 || p.y() < 0 || p.x() >= static_cast<double>(width) ||
+            p.y() >= static_cast<double>(height))
             return;
-        MapCell& cell = map.cells[map.index(static_cast<std::size_t>(p.x()), static_cast<std::size_t>(p.y()))];
+        MapCell& cell =
+            map.cells[map.index(static_cast<std::size_t>(p.x()), static_cast<std::size_t>(p.y()))];
         if (cell != MapCell::occupied) cell = as;
     };
     std::mt19937_64 random(1);
@@ -82,7 +84,7 @@ inline MapServerMap map_seen_from(const lines_world::World& world, const std::ve
 /// A drive localised scan by scan, with wheels as `noisy_motions` has them.
 struct LocalisedDrive {
     std::vector<Pose2> truth;
-    std::vector<bool> known;      ///< at its time
+    std::vector<bool> known;  ///< at its time
     std::vector<Pose2> online;
     std::vector<Pose2> final_poses;
     bool ever_known = false;

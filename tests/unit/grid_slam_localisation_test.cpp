@@ -82,7 +82,8 @@ TEST(GridLocalisation, obeys_a_given_start_that_is_wrong) {
     const Pose2 elsewhere{truth[0].x_m - 16, truth[0].y_m, truth[0].phi_rad};
     const auto drive = drive_in(building, starting_at(elsewhere), truth, 1);
     EXPECT_LT((drive.online[0].translation() - elsewhere.translation()).norm(), 0.2);
-    EXPECT_LT((drive.online[10].translation() - truth[10].translation() - Eigen::Vector2d(-16, 0)).norm(), 0.2);
+    EXPECT_LT((drive.online[10].translation() - truth[10].translation() - Eigen::Vector2d(-16, 0)).norm(),
+              0.2);
 }
 
 TEST(GridLocalisation, finds_its_start_from_anywhere) {
@@ -135,17 +136,17 @@ TEST(GridLocalisation, says_that_it_is_lost_and_finds_itself_again) {
 TEST(GridLocalisation, is_never_certain_in_a_map_of_another_building) {
     const auto& building = twin_building();
     const auto truth = test::poses_along(*loops_building().scene, 0, 12, 0.25);
-    const auto drive = test::localise(building.map, starting_anywhere(), truth, 1,
-                                      [&](std::size_t) -> const lines_world::World& {
-                                          return loops_building().world;
-                                      });
+    const auto drive =
+        test::localise(building.map, starting_anywhere(), truth, 1,
+                       [&](std::size_t) -> const lines_world::World& { return loops_building().world; });
     EXPECT_FALSE(drive.ever_known);
     EXPECT_FALSE(drive.why_not.empty());
 }
 
 TEST(GridLocalisation, takes_maps_that_are_turned_coarse_or_fine) {
     const auto& building = loops_building();
-    const auto truth = test::poses_along(*building.scene, 0, 20, 0.2), seen = test::poses_along(*building.scene, 0, 24, 0.7);
+    const auto truth = test::poses_along(*building.scene, 0, 20, 0.2),
+               seen = test::poses_along(*building.scene, 0, 24, 0.7);
     struct Case {
         double resolution_m, yaw_rad, rmse_m;
     };
@@ -155,12 +156,13 @@ TEST(GridLocalisation, takes_maps_that_are_turned_coarse_or_fine) {
         const double half_m = 22;
         const Pose2 T_map_picture = Pose2{0, 2, c.yaw_rad} * Pose2{-half_m, -half_m, 0};
         const auto side = static_cast<std::size_t>(2 * half_m / c.resolution_m);
-        const FrozenMap map(test::map_seen_from(building.world, seen, c.resolution_m, T_map_picture, side, side),
-                            0.05, std::max(0.15, 2 * c.resolution_m));
+        const FrozenMap map(
+            test::map_seen_from(building.world, seen, c.resolution_m, T_map_picture, side, side), 0.05,
+            std::max(0.15, 2 * c.resolution_m));
         EXPECT_NEAR(map.cell_m(), std::max(c.resolution_m, c.resolution_m == 0.02 ? 0.04 : 0.05), 1e-12);
-        const auto drive = test::localise(
-            map, starting_at(truth[0]), truth, 4,
-            [&](std::size_t) -> const lines_world::World& { return building.world; });
+        const auto drive =
+            test::localise(map, starting_at(truth[0]), truth, 4,
+                           [&](std::size_t) -> const lines_world::World& { return building.world; });
         EXPECT_LT(drive.rmse_m(), c.rmse_m);
     }
 }
@@ -203,10 +205,10 @@ TEST(OccupancySurfaces, face_the_free_sides) {
     EXPECT_EQ(facing(drawn({"..........", "##########", ".........."})), (Facing{0, 0, 10, 10}));
     EXPECT_EQ(facing(drawn({".#.", ".#.", ".#.", ".#.", ".#.", ".#."})), (Facing{6, 6, 0, 0}));
     // What is solid has surfaces only on its outside.
-    const auto solid = facing(drawn({"................", "................", "..############..",
-                                     "..############..", "..############..", "..############..",
-                                     "..############..", "..############..", "................",
-                                     "................"}));
+    const auto solid =
+        facing(drawn({"................", "................", "..############..", "..############..",
+                      "..############..", "..############..", "..############..", "..############..",
+                      "................", "................"}));
     EXPECT_GE(solid[2], 8);
     EXPECT_LE(solid[2], 12);
     EXPECT_EQ(solid[2], solid[3]);
@@ -216,7 +218,8 @@ TEST(OccupancySurfaces, face_the_free_sides) {
 TEST(OccupancySurfaces, keep_places_of_fine_cells) {
     MapServerMap fine = drawn(std::vector<std::string>(20, std::string(20, '.')));
     fine.resolution_m = 0.01;
-    for (std::size_t column = 0; column < 20; ++column) fine.cells[fine.index(column, 12)] = MapCell::occupied;
+    for (std::size_t column = 0; column < 20; ++column)
+        fine.cells[fine.index(column, 12)] = MapCell::occupied;
     const auto coarse = grid_map::coarse_occupancy(fine, 0.05);
     EXPECT_EQ(coarse.width, 4);
     const auto points = grid_map::surfaces_of(coarse).points;
