@@ -87,6 +87,12 @@ class Module : public Configurable {
     /// estimates none.
     virtual const Trajectory* trajectory() const { return nullptr; }
 
+    /// Files that it reads beside the log, once its parameters are read: they count as inputs of the run, with
+    /// their hashes in the manifest, and what was computed with others is not gone on with.
+    virtual std::vector<std::string> input_files() const { return {}; }
+    /// What is wrong with these files, as one sentence; empty if nothing is. Asked before anything runs.
+    virtual std::string check_input_files() const { return {}; }
+
     /// Whether a run can be for a calibration of its parameters, which finish() then hands over.
     virtual bool can_calibrate() const { return false; }
 
@@ -117,7 +123,7 @@ class MapBuilder : public Configurable {
 }  // namespace loopline
 
 /// The contract's version: a plugin built against another one is refused with a sentence.
-#define LOOPLINE_API_VERSION "loopline-api-3"
+#define LOOPLINE_API_VERSION "loopline-api-4"
 
 /// Once in every plugin library, at file scope, outside any namespace.
 #define LOOPLINE_PLUGIN()                                                                         \

@@ -89,6 +89,7 @@ struct Results {
     /// Of each frame that makes the map: its returns in the vehicle's frame, to draw the map by other poses.
     std::vector<std::vector<Eigen::Vector2f>> frame_points_base_m;
     std::vector<Calibration> calibrations;  ///< by modules that can_calibrate(), where the run is for it
+    std::vector<std::string> warnings;       ///< sentences on what a user should look at
     /// Set, with one sentence, by a module whose estimate diverged or must be refused: exit code 4.
     std::optional<std::string> refused;
 };

@@ -42,6 +42,10 @@ class Trajectory {
     /// Counts the batches of revisions, so that a map builder knows that it has to draw again.
     std::uint64_t revision() const { return revision_; }
 
+    /// Poses before entry `index` were not known at their time: a start that was found later tells them.
+    void set_known_from(std::size_t index) { known_from_ = index; }
+    std::size_t known_from() const { return known_from_; }
+
     const std::vector<TrajectoryEntry>& entries() const { return entries_; }
     /// What was known at the time of entry `index`, before any later revision.
     const Pose3& T_map_base_online(std::size_t index) const {
@@ -68,6 +72,7 @@ class Trajectory {
     std::vector<TrajectoryEntry> entries_;
     std::vector<Pose3> online_;  ///< beside them; empty as long as nothing was revised
     std::uint64_t revision_ = 0;
+    std::size_t known_from_ = 0;
 };
 
 }  // namespace loopline

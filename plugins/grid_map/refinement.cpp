@@ -98,6 +98,7 @@ class GridSurfaces {
             });
         return nearby.average(p_map_m, grid_.cell_m(), 1);
     }
+    static constexpr bool has_rough_normals() { return false; }
 
  private:
     const ScanGrid& grid_;
@@ -109,7 +110,9 @@ class GridSurfaces {
 class IndexedSurfaces {
  public:
     IndexedSurfaces(const SurfaceIndex& index, double reach_m)
-        : index_(index), reach2_m2_(static_cast<float>(reach_m * reach_m)) {}
+        : index_(index),
+          reach2_m2_(static_cast<float>(reach_m * reach_m)),
+          scale_m_(static_cast<float>(index.spacing_m())) {}
 
     Correspondence at(const Eigen::Vector2d& p_map_m, const Eigen::Vector2d& normal) const {
         const auto px = static_cast<float>(p_map_m.x()), py = static_cast<float>(p_map_m.y()),
@@ -120,12 +123,13 @@ class IndexedSurfaces {
             if (dx * dx + dy * dy < reach2_m2_ && q.nx * nx + q.ny * ny > 0.7F)
                 nearby.add(dx, dy, q.nx, q.ny, 1);
         });
-        return nearby.average(p_map_m, 1, 0.05F);
+        return nearby.average(p_map_m, 1, scale_m_);
     }
+    bool has_rough_normals() const { return index_.has_rough_normals(); }
 
  private:
     const SurfaceIndex& index_;
-    float reach2_m2_;
+    float reach2_m2_, scale_m_;
 };
 
 struct NormalEquations {
@@ -139,7 +143,8 @@ struct NormalEquations {
     int used = 0, of = 0;
 };
 
-/// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p).
+/// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p). n is the
+/// map's; where steps from row to row of cells turn that one, it is the scan's.
 template <class Surfaces>
 NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const std::vector<float>& worth,
                           const Pose2& T, const RefinementSettings& settings) {
@@ -157,15 +162,16 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
         const Eigen::Vector2d p_map(T.x_m + turned.x(), T.y_m + turned.y());
         const Correspondence surface = surfaces.at(p_map, normal);
         if (!surface.found) continue;
-        const double e = surface.normal_map.dot(p_map - surface.p_map_m);
+        const Eigen::Vector2d& across = surfaces.has_rough_normals() ? normal : surface.normal_map;
+        const double e = across.dot(p_map - surface.p_map_m);
         // Cauchy's weight: what is three sigmas off counts a tenth.
         const double w = static_cast<double>(worth[i]) * per_sigma2 / (1 + e * e * per_sigma2);
-        const Eigen::Vector3d j(surface.normal_map.x(), surface.normal_map.y(),
-                                -surface.normal_map.x() * turned.y() + surface.normal_map.y() * turned.x());
-        const Eigen::Vector3d of_scan(normal.x(), normal.y(),
-                                      -normal.x() * turned.y() + normal.y() * turned.x());
+        const auto along = [&turned](const Eigen::Vector2d& n) {
+            return Eigen::Vector3d(n.x(), n.y(), -n.x() * turned.y() + n.y() * turned.x());
+        };
+        const Eigen::Vector3d j = along(across);
         sums.information += w * j * j.transpose();
-        sums.by_both_normals += w * j * of_scan.transpose();
+        sums.by_both_normals += w * along(surface.normal_map) * along(normal).transpose();
         sums.gradient -= w * e * j;
         sums.squares += e * e;
         ++sums.used;

@@ -109,7 +109,7 @@ void ScanGrid::mark_for_settling(CellIndex emptied) {
 void ScanGrid::settle() {
     for (const auto& [x, y] : unsettled_) settle_tile(x, y);
     // A coarser level looks at the cells of the next tiles too, so these must be done.
-    constexpr int bits = SparseArray<std::uint8_t>::tile_bits, side = SparseArray<std::uint8_t>::tile_side;
+    constexpr int side = SparseArray<std::uint8_t>::tile_side;
     for (int h = 1; h < levels; ++h) {
         // Level 1 covers four cells to each side, a coarser one two even blocks of the level below it.
         const int parts = h == 1 ? 4 : 2, stride = h == 1 ? 1 : 2;

@@ -134,11 +134,14 @@ class BranchAndBound {
     }
 
     std::optional<SearchResult> run() {
+        std::vector<std::pair<int, int>> corners;
+        for (int dy = -window_.cells_y; dy <= window_.cells_y; dy += SearchArea::block)
+            for (int dx = -window_.cells_x; dx <= window_.cells_x; dx += lanes)
+                if (any_allowed(dx, dy)) corners.emplace_back(dx, dy);
         std::vector<Node> blocks;
         for (int heading = -window_.headings; heading <= window_.headings; ++heading)
-            for (int dy = -window_.cells_y; dy <= window_.cells_y; dy += SearchArea::block)
-                for (int dx = -window_.cells_x; dx <= window_.cells_x; dx += lanes)
-                    blocks.push_back(block(heading, dx, dy));
+            for (const auto& [dx, dy] : corners)
+                if (const Node node = block(heading, dx, dy); can_win(node)) blocks.push_back(node);
         std::sort(blocks.begin(), blocks.end(), [](const Node& a, const Node& b) {
             return a.bound != b.bound ? a.bound > b.bound : before(a, b);
         });
@@ -207,8 +210,7 @@ class BranchAndBound {
         for (int k = 0; k < lanes && row.dx + k <= window_.cells_x; ++k) {
             const Node one{sums[static_cast<std::size_t>(k)] - cost - prior_.x(row.dx + k, 1), row.heading,
                            row.dx + k, row.dy};
-            if (!can_win(one) || (window_.without && window_.without->holds(one.heading, one.dx, one.dy)))
-                continue;
+            if (!can_win(one) || window_.holds_back(one.heading, one.dx, one.dy)) continue;
             best_ = one;
             found_ = true;
         }
@@ -224,11 +226,27 @@ class BranchAndBound {
         return !found_ || node.bound > best_.bound || (node.bound == best_.bound && before(node, best_));
     }
     int enough() const { return found_ ? std::max(best_.bound, window_.min_score) : window_.min_score; }
-    /// Whether all places of a node are excluded.
+    /// Whether one exclusion holds all places of a node.
     bool excluded(const Node& node, int height) const {
-        return window_.without && window_.without->holds(node.heading, node.dx, node.dy) &&
-               window_.without->holds(node.heading, std::min(node.dx + lanes - 1, window_.cells_x),
-                                      std::min(node.dy + height - 1, window_.cells_y));
+        const auto by = [&](const SearchWindow::Exclusion& e) {
+            return e.holds(node.heading, node.dx, node.dy) &&
+                   e.holds(node.heading, std::min(node.dx + lanes - 1, window_.cells_x),
+                           std::min(node.dy + height - 1, window_.cells_y));
+        };
+        return (window_.without && by(*window_.without)) ||
+               std::any_of(window_.also_without.begin(), window_.also_without.end(), by);
+    }
+    /// In the block of positions from here on.
+    bool any_allowed(int dx, int dy) const {
+        if (window_.allowed.empty()) return true;
+        const int width = 2 * window_.cells_x + 1, right = std::min(dx + lanes - 1, window_.cells_x);
+        for (int y = dy; y <= std::min(dy + SearchArea::block - 1, window_.cells_y); ++y) {
+            const auto* row = &window_.allowed[static_cast<std::size_t>((y + window_.cells_y) * width)];
+            if (std::any_of(row + dx + window_.cells_x, row + right + window_.cells_x + 1,
+                            [](std::uint8_t a) { return a != 0; }))
+                return true;
+        }
+        return false;
     }
 
     const ScanGrid& grid_;
@@ -280,7 +298,7 @@ std::optional<SearchResult> exhaustive_search(const ScanGrid& grid,
         ++heading;
         for (int dy = -window.cells_y; dy <= window.cells_y; ++dy)
             for (int dx = -window.cells_x; dx <= window.cells_x; ++dx) {
-                if (window.without && window.without->holds(heading, dx, dy)) continue;
+                if (window.holds_back(heading, dx, dy)) continue;
                 int sum = 0;
                 for (const CellIndex& cell : cells) sum += grid.likelihood(0, cell.x + dx, cell.y + dy);
                 const int score = sum - prior.heading(heading) - prior.x(dx, 1) - prior.y(dy, 1);

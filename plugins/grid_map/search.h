@@ -3,6 +3,7 @@
 /// finds the same optimum (Land and Doig 1960; on grids of likelihood: Olson 2009, Hess et al. 2016).
 #pragma once
 
+#include <cstdint>
 #include <cstdlib>
 #include <limits>
 #include <optional>
@@ -34,6 +35,18 @@ struct SearchWindow {
         }
     };
     std::optional<Exclusion> without;
+    std::vector<Exclusion> also_without;  ///< more of them
+    /// Positions that count at all, one byte each: those with the lowest dy first, of these those with the
+    /// lowest dx. Empty: all do.
+    std::vector<std::uint8_t> allowed;
+    bool holds_back(int heading_index, int dx, int dy) const {
+        if (!allowed.empty() && !allowed[static_cast<std::size_t>((dy + cells_y) * (2 * cells_x + 1) + dx + cells_x)])
+            return true;
+        if (without && without->holds(heading_index, dx, dy)) return true;
+        for (const Exclusion& other : also_without)
+            if (other.holds(heading_index, dx, dy)) return true;
+        return false;
+    }
 };
 
 struct SearchResult {

@@ -22,9 +22,9 @@ void SurfaceIndex::add(const Frame& frame, const Pose2& T_map_base) {
 }
 
 void SurfaceIndex::finish() {
-    begin_.assign(slots + 1, 0);
+    begin_.assign(slots_ + 1, 0);
     for (const Point& p : points_) ++begin_[slot_of(bucket(p.x), bucket(p.y)) + 1];
-    for (std::size_t k = 0; k < slots; ++k) begin_[k + 1] += begin_[k];
+    for (std::size_t k = 0; k < slots_; ++k) begin_[k + 1] += begin_[k];
     sorted_.resize(points_.size());
     thread_local std::vector<std::uint32_t> next;
     next.assign(begin_.begin(), begin_.end() - 1);

@@ -12,8 +12,17 @@ namespace loopline::grid_map {
 
 class SurfaceIndex {
  public:
-    /// `bucket_m`: at least as long as the longest reach that is asked for.
-    explicit SurfaceIndex(double bucket_m) : per_bucket_(1 / bucket_m) {}
+    /// `bucket_m`: at least as long as the longest reach that is asked for. `spacing_m`: of the points along a
+    /// surface. `slots`: about as many as there will be points, a power of two. `rough_normals`: a scan knows
+    /// the directions of surfaces better, as where these come from the cells of a picture.
+    explicit SurfaceIndex(double bucket_m, double spacing_m = 0.05, std::size_t slots = 1024,
+                          bool rough_normals = false)
+        : per_bucket_(1 / bucket_m),
+          spacing_m_(spacing_m),
+          slots_(slots),
+          rough_normals_(rough_normals) {}
+    bool has_rough_normals() const { return rough_normals_; }
+    double spacing_m() const { return spacing_m_; }
 
     void clear();
     /// Points of a frame at its pose; those without a normal are no surface.
@@ -38,18 +47,19 @@ class SurfaceIndex {
     bool empty() const { return sorted_.empty(); }
 
  private:
-    static constexpr std::size_t slots = 1024;
     int bucket(double v_m) const {
         const double v = v_m * per_bucket_;
         const int i = static_cast<int>(v);
         return i > v ? i - 1 : i;
     }
-    static std::size_t slot_of(int bx, int by) {
+    std::size_t slot_of(int bx, int by) const {
         return (static_cast<std::uint32_t>(bx) * 73856093U ^ static_cast<std::uint32_t>(by) * 19349663U) %
-               slots;
+               slots_;
     }
 
-    double per_bucket_;
+    double per_bucket_, spacing_m_;
+    std::size_t slots_;
+    bool rough_normals_;
     std::vector<Point> points_, sorted_;
     std::vector<std::uint32_t> begin_;
 };

@@ -31,11 +31,10 @@ grid_map::SearchWindow window_for(const Pose2& T_map_prior, const Eigen::Matrix3
     return window;
 }
 
-}  // namespace
-
-ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame& frame,
-                           const Pose2& T_map_prior, const Eigen::Matrix3d& prior_covariance,
-                           const ForwardSettings& settings) {
+template <class Surfaces>
+ForwardMatch match_on(const grid_map::ScanGrid& grid, const Surfaces& surfaces, const grid_map::Frame& frame,
+                      const Pose2& T_map_prior, const Eigen::Matrix3d& prior_covariance,
+                      const ForwardSettings& settings) {
     ForwardMatch match;
     match.T_map_base = T_map_prior;
     match.covariance = prior_covariance;
@@ -44,7 +43,7 @@ ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame
     const auto found = grid_map::branch_and_bound(
         grid, points, window_for(T_map_prior, prior_covariance, grid.cell_m(), settings));
     const Eigen::Matrix3d prior_information = prior_covariance.inverse();
-    const grid_map::ScanFit fit = grid_map::refine(grid, frame, found ? found->T_map_base : T_map_prior,
+    const grid_map::ScanFit fit = grid_map::refine(surfaces, frame, found ? found->T_map_base : T_map_prior,
                                                    T_map_prior, prior_information, settings.refinement);
     match.fit = fit.fit;
     match.degeneracy = grid_map::degeneracy(fit, mean_range_m(frame), settings.sigma_degenerate_m);
@@ -55,6 +54,20 @@ ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame
     match.gradient = fit.gradient;
     match.covariance = (prior_information + fit.information).inverse();
     return match;
+}
+
+}  // namespace
+
+ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame& frame,
+                           const Pose2& T_map_prior, const Eigen::Matrix3d& prior_covariance,
+                           const ForwardSettings& settings) {
+    return match_on(grid, grid, frame, T_map_prior, prior_covariance, settings);
+}
+
+ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::SurfaceIndex& surfaces,
+                           const grid_map::Frame& frame, const Pose2& T_map_prior,
+                           const Eigen::Matrix3d& prior_covariance, const ForwardSettings& settings) {
+    return match_on(grid, surfaces, frame, T_map_prior, prior_covariance, settings);
 }
 
 }  // namespace loopline::grid_slam

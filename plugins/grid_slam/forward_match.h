@@ -35,5 +35,9 @@ struct ForwardMatch {
 ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::Frame& frame,
                            const Pose2& T_map_prior, const Eigen::Matrix3d& prior_covariance,
                            const ForwardSettings& settings);
+/// The same where the surfaces of the map are kept beside the grid that is searched.
+ForwardMatch match_forward(const grid_map::ScanGrid& grid, const grid_map::SurfaceIndex& surfaces,
+                           const grid_map::Frame& frame, const Pose2& T_map_prior,
+                           const Eigen::Matrix3d& prior_covariance, const ForwardSettings& settings);
 
 }  // namespace loopline::grid_slam

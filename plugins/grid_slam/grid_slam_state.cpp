@@ -1,10 +1,10 @@
 /// What of module "grid_slam" goes into a checkpoint, class by class.
-#include "api/state_archive.h"
 #include "grid_slam/grid_slam_module.h"
+#include "grid_slam/navigation_state.h"
 
 namespace loopline {
 namespace {
-constexpr std::uint32_t form_version = 2;
+constexpr std::uint32_t form_version = 3;
 }
 
 namespace grid_map {
@@ -22,11 +22,6 @@ void fields(Archive& archive, Frame& frame) {
 }  // namespace grid_map
 
 namespace grid_slam {
-
-template <class Archive>
-void fields(Archive& archive, Motion& motion) {
-    archive(motion.T_before_now, motion.covariance);
-}
 
 template <class Archive>
 void fields(Archive& archive, MapFrames& map) {
@@ -120,43 +115,16 @@ void fields(Archive& archive, GridSlam& slam) {
     if constexpr (Archive::reading) slam.rebuild_neighbourhood();
 }
 
-template <class Archive>
-void fields(Archive& archive, WheelNavigation& n) {
-    archive(n.started_, n.stamp_ns_, n.T_odom_base_, n.T_map_base_, n.covariance_);
-}
-
-template <class Archive>
-void fields(Archive& archive, InertialNavigation& n) {
-    const auto sample = [](auto& a, inertial::ImuSample& s) {
-        a(s.stamp_ns, s.omega_base_radps, s.specific_force_base_mps2);
-    };
-    archive(n.filter_, n.place_.p_base_imu_m, n.window_, n.alignment_status_, n.aligned_);
-    archive.each(n.samples_, sample);
-    archive.each(n.readings_, sample);
-    bool latest = n.latest_.has_value();
-    archive(latest);
-    if (Archive::reading && latest) n.latest_.emplace();
-    if (latest) sample(archive, *n.latest_);
-    archive(n.first_ns_, n.scan_ns_, n.T_odom_base_, n.T_map_base_, n.T_before_now_, n.covariance_,
-            n.refused_, n.backward_);
-}
+template void fields(StateWriter&, GridSlam&);
+template void fields(StateReader&, GridSlam&);
 
 }  // namespace grid_slam
 
 template <class Archive>
 void fields(Archive& archive, GridSlamModule& m) {
     archive(*m.slam_);
-    archive.each(m.waiting_, [](auto& a, auto& scan) {
-        a(scan.sequence, scan.stamp_ns, scan.T_odom_base);
-        if constexpr (Archive::reading)
-            scan.observation = a.archive().template ReadObject<mrpt::obs::CObservation2DRangeScan>();
-        else
-            a.archive().WriteObject(*scan.observation);
-    });
-    if (m.wheel_navigation_) archive(*m.wheel_navigation_);
-    if (m.inertial_navigation_) archive(*m.inertial_navigation_);
+    archive(m.scans_);
     archive.each(m.online_, [](auto& a, auto& pose) { a(pose.sequence, pose.stamp_ns, pose.T_map_base); });
-    archive(m.without_odometry_, m.without_imu_, m.unusable_);
 }
 
 void GridSlamModule::save_state(mrpt::serialization::CArchive& out) const {

@@ -57,6 +57,10 @@ void exclude_some(std::mt19937_64& random, const SearchResult& best, SearchWindo
     window.without = SearchWindow::Exclusion{best.dx_cells, best.dy_cells, best.heading,
                                              static_cast<int>(random() % 12), static_cast<int>(random() % 5)};
     if (random() % 4 == 0) window.without->heading = window.without->dx_cells = 1;
+    if (random() % 2 == 0) window.also_without = {{-3, 2, -1, 3, 2}, {5, 0, 0, 20, 0}};
+    if (random() % 2 == 0)
+        for (int k = 0; k < (2 * window.cells_x + 1) * (2 * window.cells_y + 1); ++k)
+            window.allowed.push_back(random() % 3 == 0);
 }
 
 void expect_same(const SearchCase& c, const std::optional<SearchResult>& naive) {

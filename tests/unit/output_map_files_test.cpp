@@ -14,6 +14,7 @@
 #include <limits>
 #include <map>
 
+#include "api/map_server_map.h"
 #include "commands/command.h"
 #include "output/map_files.h"
 #include "output/map_server_grid.h"
@@ -224,6 +225,34 @@ TEST(OutputGrid, reader_follows_modes_thresholds_and_negation) {
     EXPECT_NEAR(scaled[2], 1 - (0.502 - 0.1) / 0.8, 0.02);
     EXPECT_EQ(free_of("mode: raw\n")[3], 0.5f);
     EXPECT_NEAR(free_of("mode: raw\n")[1], 0.4, 0.02);
+}
+
+TEST(OutputGrid, cells_follow_the_thresholds_of_the_file_in_all_modes_and_the_origin_may_be_turned) {
+    const Folder folder;
+    const unsigned char pixels[] = {0, 60, 127, 255, 30, 101};
+    std::ofstream(folder / "m.pgm") << "P5\n3 2\n255\n"
+                                    << std::string(reinterpret_cast<const char*>(pixels), 6);
+    const auto cells_of = [&](const std::string& more) {
+        std::ofstream(folder / "m.yaml") << "image: m.pgm\nresolution: 0.5\norigin: [-1.3, 7.2, 1.25]\n"
+                                         << more;
+        loopline::MapServerMap map;
+        std::string problem;
+        EXPECT_TRUE(read_map_server_map(folder / "m.yaml", map, problem)) << problem;
+        EXPECT_EQ(map.width, 3u);
+        EXPECT_EQ(map.T_map_picture.x_m, -1.3);
+        EXPECT_EQ(map.T_map_picture.y_m, 7.2);
+        EXPECT_EQ(map.T_map_picture.phi_rad, 1.25);
+        std::string cells;  // lowest row first
+        for (const MapCell cell : map.cells) cells += cell == MapCell::occupied ? '#' : cell == MapCell::free ? '.' : ' ';
+        return cells;
+    };
+    EXPECT_EQ(cells_of(""), ".# ## ");  // 255 30 101, then 0 60 127
+    EXPECT_EQ(cells_of("negate: 1\n"), "#. .  ");
+    EXPECT_EQ(cells_of("occupied_thresh: 0.9\nfree_thresh: 0.6\n"), ".  # .");
+    EXPECT_EQ(cells_of("mode: scale\noccupied_thresh: 0.4\nfree_thresh: 0.1\n"), ".#####");
+    EXPECT_EQ(cells_of("occupied_thresh: 0.4\nfree_thresh: 0.1\nmode: trinary\n"), ".#####");
+    EXPECT_EQ(cells_of("mode: raw\n"), "   .  ");
+    EXPECT_EQ(cells_of("mode: raw\noccupied_thresh: 0.5\n"), "   .# ");
 }
 
 TEST(OutputGrid, reader_says_what_is_missing) {

@@ -41,3 +41,34 @@ TEST(ResumedRuns, of_a_long_log_with_a_recording_of_several_blocks) {
     std::filesystem::resize_file(runs.path("robbed") + "/recorded.rawlog", 1000);
     EXPECT_EQ(runs.run("robbed", true), exit_configuration);
 }
+
+TEST(ResumedRuns, of_one_that_is_localised_in_a_finished_map) {
+    const BrokenRuns mapping(telecom_log, "checkpoint_s = 0\nmodules = odometry grid_slam\nmaps = grid\n");
+    ASSERT_EQ(mapping.run("map", false), 0);
+    const std::string map = mapping.path("map"), yaml = file_bytes(map + "/map.grid.yaml"),
+                      pgm = file_bytes(map + "/map.grid.pgm");
+    for (const std::string start : {"given", "global"}) {
+        const BrokenRuns runs(telecom_log,
+                              "checkpoint_items = 16\nmodules = odometry grid_localisation\n"
+                              "[grid_localisation]\nmap = " +
+                                  map + "\nstart = " + start + "\n");
+        ASSERT_EQ(runs.run("whole", false), 0) << start;
+        for (const std::uint64_t at : {30U, 250U}) {
+            EXPECT_EQ(runs.run("broken", false, Break::kill_all, at), 137);
+            EXPECT_EQ(runs.run("broken", true), 0);
+            runs.expect_same("broken", "whole");
+            std::filesystem::remove_all(runs.path("broken"));
+        }
+        EXPECT_EQ(file_bytes(map + "/map.grid.yaml"), yaml);
+        EXPECT_TRUE(file_bytes(map + "/map.grid.pgm") == pgm);
+        if (start == "given") continue;
+        // With another map it is not gone on with.
+        EXPECT_EQ(runs.run("broken", false, Break::kill_all, 250), 137);
+        std::string other = pgm;
+        other[other.size() / 2] = static_cast<char>(other[other.size() / 2] == 0 ? 254 : 0);
+        write_file(map + "/map.grid.pgm", other);
+        EXPECT_EQ(runs.run("broken", true), exit_configuration);
+        write_file(map + "/map.grid.pgm", pgm);
+        EXPECT_EQ(runs.run("broken", true), 0);
+    }
+}

@@ -35,6 +35,20 @@ void check_folder(const fs::path& folder) {
                                                    existing.string() + "; name another folder");
 }
 
+bool is_rawlog(const Experiment& experiment, const std::string& file) {
+    const auto& rawlogs = experiment.run.rawlogs;
+    return std::find(rawlogs.begin(), rawlogs.end(), file) != rawlogs.end();
+}
+
+/// A run replaces what an earlier one left in its folder, so that must not be what this one works with.
+void check_inputs_are_elsewhere(const Experiment& experiment, const fs::path& folder) {
+    std::error_code ignored;
+    for (const auto& file : input_paths(experiment))
+        if (fs::equivalent(fs::path(file).parent_path(), folder, ignored) && !is_rawlog(experiment, file))
+            throw CommandError(exit_configuration, "--out " + folder.string() + ": this run reads " + file +
+                                                       ", which it would replace; name another folder");
+}
+
 void set_cost_so_far(RunSetup& setup) {
     rusage used{};
     getrusage(RUSAGE_SELF, &used);
@@ -78,6 +92,7 @@ class RunCommand : public Command {
         setup.quiet = quiet_;
         for (const auto& rawlog : setup.experiment.run.rawlogs) LogFile can_be_opened(rawlog);
         check_folder(setup.folder);
+        check_inputs_are_elsewhere(setup.experiment, setup.folder);
         set_cost_so_far(setup);
 
         return static_cast<ExitCode>(

@@ -185,6 +185,13 @@ class Loader {
             if (!sentence.empty())
                 report(file_.find(name) ? origin_of(name) : origin_of("run"), "[" + name + "] " + sentence);
         }
+        if (!problems_.empty()) return;
+        for (const auto& module : experiment_.modules) {
+            const std::string name = module->info().name, sentence = module->check_input_files();
+            if (!sentence.empty())
+                report(file_.find(name) ? origin_of(name) : origin_of("run"), "[" + name + "] " + sentence,
+                       exit_input_data);
+        }
     }
 
     void write_effective_ini() {

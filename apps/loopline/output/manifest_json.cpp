@@ -33,7 +33,7 @@ ordered_json inputs_of(const RunRecord& record) {
         entry["path"] = input.path;
         entry["bytes"] = input.bytes;
         if (!input.sha256.empty()) entry["sha256"] = input.sha256;
-        entry["objects_read"] = input.objects;
+        if (input.is_log) entry["objects_read"] = input.objects;
         if (!input.damage.empty()) entry["damage"] = input.damage;
         inputs.push_back(entry);
     }

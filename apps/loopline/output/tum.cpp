@@ -82,7 +82,8 @@ std::size_t write_tum(const std::filesystem::path& file, const Trajectory& traje
     OutputFile out(file);
     out.text("# t_s x_m y_m z_m qx qy qz qw (T_map_base)\n");
     std::size_t left_out = 0;
-    for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const std::size_t first = estimate == Estimate::online ? trajectory.known_from() : 0;
+    for (std::size_t i = first; i < trajectory.size(); ++i) {
         const TrajectoryEntry& entry = trajectory.entries()[i];
         const Pose3& pose = estimate == Estimate::latest ? entry.T_map_base : trajectory.T_map_base_online(i);
         if (!pose.translation_m.allFinite() || !pose.rotation.coeffs().allFinite()) {

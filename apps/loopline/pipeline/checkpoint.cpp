@@ -91,9 +91,16 @@ fs::path checkpoint_in(const fs::path& folder) {
     return folder / "checkpoint.bin";
 }
 
-std::vector<LogIdentity> identities_of(const std::vector<std::string>& rawlogs) {
+std::vector<std::string> input_paths(const Experiment& experiment) {
+    std::vector<std::string> paths = experiment.run.rawlogs;
+    for (const auto& module : experiment.modules)
+        for (auto& file : module->input_files()) paths.push_back(std::move(file));
+    return paths;
+}
+
+std::vector<LogIdentity> identities_of(const std::vector<std::string>& paths) {
     std::vector<LogIdentity> logs;
-    for (const auto& path : rawlogs) {
+    for (const auto& path : paths) {
         std::error_code gone;  // then its hash is empty too
         logs.push_back({fs::file_size(path, gone), sha256_of_file(path)});
     }
@@ -183,12 +190,14 @@ void Checkpoint::check(const Experiment& experiment) const {
     if (head_.effective_ini != experiment.effective_ini)
         refuse("this checkpoint was made with another configuration (" +
                first_difference(head_.effective_ini, experiment.effective_ini) + ")");
-    const auto& rawlogs = experiment.run.rawlogs;
-    const auto logs = identities_of(rawlogs);
+    const auto paths = input_paths(experiment);
+    const auto logs = identities_of(paths);
     for (std::size_t i = 0; i < logs.size(); ++i)
         if (i >= head_.logs.size() || logs[i].bytes != head_.logs[i].bytes ||
             logs[i].sha256 != head_.logs[i].sha256)
-            refuse("this checkpoint was made with another log than what " + rawlogs[i] + " holds now");
+            refuse("this checkpoint was made with another " +
+                   std::string(i < experiment.run.rawlogs.size() ? "log" : "file") + " than what " +
+                   paths[i] + " holds now");
 }
 
 void Checkpoint::restore(ModuleChain& chain, Recorder& recorder) const {

@@ -19,7 +19,7 @@
 
 namespace loopline {
 
-/// A log, for knowing it again.
+/// A log, or a file that a module reads, for knowing it again.
 struct LogIdentity {
     std::uint64_t bytes = 0;
     std::string sha256;
@@ -35,7 +35,7 @@ struct KeptState {
 struct CheckpointHead {
     std::string program;        ///< build_of_this_program() of who made it
     std::string effective_ini;  ///< the configuration
-    std::vector<LogIdentity> logs;
+    std::vector<LogIdentity> logs;  ///< of input_paths()
     std::uint64_t items = 0;       ///< of the log, that the chain has seen
     double wall_s = 0, cpu_s = 0;  ///< that the run has taken so far
     std::uint64_t loop = 0;        ///< that is to be closed next, if this is kept for it
@@ -46,8 +46,11 @@ struct CheckpointHead {
 /// Where the checkpoint of a run directory lies.
 std::filesystem::path checkpoint_in(const std::filesystem::path& folder);
 
-/// Of each log, in this order.
-std::vector<LogIdentity> identities_of(const std::vector<std::string>& rawlogs);
+/// The logs of an experiment, then the files that its modules read beside them.
+std::vector<std::string> input_paths(const Experiment& experiment);
+
+/// Of each of these, in this order.
+std::vector<LogIdentity> identities_of(const std::vector<std::string>& paths);
 
 /// Tells one build of the program, its plugins and MRPT from another: only the very same one is sure to give
 /// the same bytes.

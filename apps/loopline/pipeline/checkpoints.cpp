@@ -147,7 +147,7 @@ void Checkpoints::keep_state(std::uint64_t items) {
 }
 
 const std::vector<LogIdentity>& Checkpoints::logs() {
-    if (logs_.empty()) logs_ = identities_of(setup_.experiment.run.rawlogs);
+    if (logs_.empty()) logs_ = identities_of(input_paths(setup_.experiment));
     return logs_;
 }
 

@@ -83,6 +83,9 @@ void record_input(const RunSetup& setup, const LogSource& source, const std::vec
         record.inputs.push_back(
             {reader.path(), reader.file_bytes(), logs[i].sha256, reader.objects(), reader.damage()});
     }
+    const auto paths = input_paths(setup.experiment);
+    for (std::size_t i = source.inputs(); i < paths.size() && i < logs.size(); ++i)
+        record.inputs.push_back({paths[i], logs[i].bytes, logs[i].sha256, 0, {}, false});
     record.facts = source.facts();
     record.scans_read = source.facts().scans();
     record.first_stamp_ns = source.facts().first_stamp_ns();
@@ -191,6 +194,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     for (const KeptState& state : checkpoints.kept_states())
         record.states.push_back(kept_state_name(state.loop));
     if (!setup.calibrates) remove_other_states(setup.folder, checkpoints.kept_states());
+    for (const auto& sentence : record.results.warnings) record.warnings.push_back(sentence);
     if (!attempt.failure.empty()) record.results.refused = attempt.failure;
     if (points && record.trajectory != nullptr)
         record.feature_points = points->estimates(*record.trajectory, record.odometry);

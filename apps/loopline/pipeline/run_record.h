@@ -20,6 +20,7 @@ struct InputRecord {
     std::string sha256;         ///< of the file
     std::uint64_t objects = 0;  ///< read before the end or the damage
     std::string damage;         ///< one sentence if the log is damaged; empty if it was read to its end
+    bool is_log = true;         ///< else a file that a module reads, which has no objects
 };
 
 struct ModuleTiming {
