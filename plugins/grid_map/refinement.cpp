@@ -143,8 +143,8 @@ struct NormalEquations {
     int used = 0, of = 0;
 };
 
-/// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p). n is the
-/// map's; where steps from row to row of cells turn that one, it is the scan's.
+/// Residual of a return: distance from its surface, e = n (T p - q); d e / d (x, y, phi) = (n, n . R' p). n
+/// is the map's; where steps from row to row of cells turn that one, it is the scan's.
 template <class Surfaces>
 NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const std::vector<float>& worth,
                           const Pose2& T, const RefinementSettings& settings) {
@@ -166,8 +166,11 @@ NormalEquations linearise(const Surfaces& surfaces, const Frame& frame, const st
         const double e = across.dot(p_map - surface.p_map_m);
         // Cauchy's weight: what is three sigmas off counts a tenth.
         const double w = static_cast<double>(worth[i]) * per_sigma2 / (1 + e * e * per_sigma2);
-        const auto along = [&turned](const Eigen::Vector2d& n) {
-            return Eigen::Vector3d(n.x(), n.y(), -n.x() * turned.y() + n.y() * turned.x());
+        // The arm of a turn ends on the surface, not at the return: noise that moves a return along a
+        // slanting beam moves its arm too, and residuals times arms would then pull the heading to one side.
+        const Eigen::Vector2d arm = surface.p_map_m - Eigen::Vector2d(T.x_m, T.y_m);
+        const auto along = [&arm](const Eigen::Vector2d& n) {
+            return Eigen::Vector3d(n.x(), n.y(), -n.x() * arm.y() + n.y() * arm.x());
         };
         const Eigen::Vector3d j = along(across);
         sums.information += w * j * j.transpose();

@@ -23,11 +23,15 @@ Eigen::Matrix3d error_of_step(const inertial::ErrorStateFilter& filter, const In
                               double duration_s, double turn_rad) {
     const auto& P = filter.covariance();
     const double dt = std::max(duration_s, 1e-3);
+    // Errors that last make a way that grows with the time, where those of independent steps grow with its
+    // root: each step bears as much as makes the sum right over a time in which they last.
+    const double speed_s2 = dt * (dt + 2 * settings.speed_lasts_s),
+                 bias_s2 = dt * (dt + 2 * settings.bias_lasts_s);
     Eigen::Matrix3d error = Eigen::Matrix3d::Zero();
-    error.topLeftCorner<2, 2>() = (P.block<2, 2>(inertial::velocity_error, inertial::velocity_error) +
-                                   std::pow(settings.sigma_speed_mps, 2) * Eigen::Matrix2d::Identity()) *
-                                  dt * dt;
-    error(2, 2) = P(inertial::gyro_bias_error + 2, inertial::gyro_bias_error + 2) * dt * dt +
+    error.topLeftCorner<2, 2>() =
+        P.block<2, 2>(inertial::velocity_error, inertial::velocity_error) * speed_s2 +
+        std::pow(settings.sigma_speed_mps * dt, 2) * Eigen::Matrix2d::Identity();
+    error(2, 2) = P(inertial::gyro_bias_error + 2, inertial::gyro_bias_error + 2) * bias_s2 +
                   std::pow(settings.noise.gyro.density_radps_sqrt_hz, 2) * dt +
                   std::pow(settings.sigma_turn * turn_rad, 2) + 1e-9;
     return error;

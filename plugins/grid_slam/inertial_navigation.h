@@ -26,6 +26,8 @@ struct InertialSettings {
     /// it is not new beside them, and a gyro's scale is not one of the errors that are estimated.
     double sigma_speed_mps = 0.05;
     double sigma_turn = 0.003;  ///< as a part of the turn
+    /// How long what the filter has wrong of speed and gyro bias stays so, about.
+    double speed_lasts_s = 5, bias_lasts_s = 30;
     inertial::LevelFloor floor;
     bool wheels = false;         ///< use their speed too
     bool keep_readings = false;  ///< for those who go back

@@ -42,6 +42,7 @@ struct Ring {
         motions[scan_at(6, 8)].T_before_now.x_m += slip_m;
         GridSlamSettings settings;
         settings.decisions = decisions;
+        settings.active.sigma_m = 0.05;  // what is behind is soon too uncertain to match with
         auto owned = std::make_unique<GridSlam>(settings);
         GridSlam& slam = *owned;
         Motion before;

@@ -1,65 +1,13 @@
 /// Localisation in a finished map, on drives through the buildings of datasets/.
 #include <gtest/gtest.h>
 
-#include "support/localisation_world.h"
+#include "support/mapped_building.h"
 
 using namespace loopline;
 using namespace loopline::grid_slam;
+using namespace loopline::test;
 
 namespace {
-
-constexpr double radian_per_degree = M_PI / 180;
-
-/// A building and the map of it by its own drive, made once.
-struct MappedBuilding {
-    MappedBuilding(const char* dataset, double way_m, const Pose2& T_map_picture, std::size_t width,
-                   std::size_t height)
-        : scene(test::scene_of(test::dataset(dataset))),
-          world(test::walls_of(*scene)),
-          picture(test::map_seen_from(world, test::poses_along(*scene, 0, way_m, 1), 0.05, T_map_picture,
-                                      width, height)),
-          map(picture, 0.05, 0.15) {}
-    std::unique_ptr<simulation::Scene> scene;
-    lines_world::World world;
-    MapServerMap picture;
-    FrozenMap map;
-};
-
-const MappedBuilding& loops_building() {
-    static const MappedBuilding building("cart_loops.ini", 260, {-19.6, -4.9, 0}, 784, 630);
-    return building;
-}
-
-const MappedBuilding& twin_building() {
-    static const MappedBuilding building("cart_twin_rooms.ini", 185, {-28.4, -17.4, 0}, 700, 560);
-    return building;
-}
-
-LocalisationSettings starting_at(const Pose2& T_map_start) {
-    LocalisationSettings settings;
-    settings.T_map_start = T_map_start;
-    return settings;
-}
-
-LocalisationSettings starting_anywhere() {
-    LocalisationSettings settings;
-    settings.start_given = false;
-    return settings;
-}
-
-test::LocalisedDrive drive_in(const MappedBuilding& building, const LocalisationSettings& settings,
-                              const std::vector<Pose2>& truth, std::uint64_t seed) {
-    return test::localise(building.map, settings, truth, seed,
-                          [&](std::size_t) -> const lines_world::World& { return building.world; });
-}
-
-/// Whether a place that was told at its time was ever a wrong one.
-void expect_never_wrong(const test::LocalisedDrive& drive) {
-    for (std::size_t k = 0; k < drive.truth.size(); ++k) {
-        if (!drive.known[k]) continue;
-        ASSERT_LT((drive.online[k].translation() - drive.truth[k].translation()).norm(), 0.3) << k;
-    }
-}
 
 TEST(GridLocalisation, follows_a_given_start_and_leaves_the_map_as_it_is) {
     const auto& building = loops_building();
@@ -84,63 +32,6 @@ TEST(GridLocalisation, obeys_a_given_start_that_is_wrong) {
     EXPECT_LT((drive.online[0].translation() - elsewhere.translation()).norm(), 0.2);
     EXPECT_LT((drive.online[10].translation() - truth[10].translation() - Eigen::Vector2d(-16, 0)).norm(),
               0.2);
-}
-
-TEST(GridLocalisation, finds_its_start_from_anywhere) {
-    const auto& building = loops_building();
-    for (const double from_m : {35.0, 90.0, 215.0}) {
-        SCOPED_TRACE(from_m);
-        const auto truth = test::poses_along(*building.scene, from_m, from_m + 9, 0.2);
-        const auto drive = drive_in(building, starting_anywhere(), truth, static_cast<std::uint64_t>(from_m));
-        ASSERT_TRUE(drive.ever_known) << drive.why_not;
-        expect_never_wrong(drive);
-        EXPECT_GT(drive.known_from, 5U) << "one look is not enough";
-        EXPECT_LT(drive.known_after_m, 8);
-        // Those before it are laid out backwards.
-        EXPECT_LT(drive.rmse_m(), 0.06);
-        for (std::size_t k = 0; k < drive.truth.size(); ++k) EXPECT_LT(drive.error_m(k), 0.2) << k;
-    }
-}
-
-TEST(GridLocalisation, waits_in_one_of_two_rooms_that_are_alike) {
-    const auto& building = twin_building();
-    for (const double from_m : {22.0, 130.0}) {
-        SCOPED_TRACE(from_m);
-        const auto truth = test::poses_along(*building.scene, from_m, from_m + 35, 0.25);
-        const Eigen::Vector2d middle_m(from_m < 100 ? -1 : -17, -14);
-        ASSERT_LT((truth[0].translation() - middle_m).cwiseAbs().maxCoeff(), 3) << "it starts in the room";
-        const auto drive = drive_in(building, starting_anywhere(), truth, 3);
-        expect_never_wrong(drive);
-        ASSERT_TRUE(drive.ever_known) << drive.why_not;
-        EXPECT_GT(drive.known_after_m, 6);
-        EXPECT_LT(drive.error_m(0), 0.3) << "the first pose, by the motion back from where it became certain";
-    }
-}
-
-TEST(GridLocalisation, says_that_it_is_lost_and_finds_itself_again) {
-    const auto& building = loops_building();
-    const auto truth = test::poses_along(*building.scene, 30, 75, 0.2);
-    const auto elsewhere = grid_map_world::corridor(3, 0.3);
-    const auto drive = test::localise(building.map, starting_at(truth[0]), truth, 2,
-                                      [&](std::size_t k) -> const lines_world::World& {
-                                          return k > 40 && k < 90 ? elsewhere : building.world;
-                                      });
-    ASSERT_EQ(drive.lost.size(), 1U);
-    EXPECT_TRUE(drive.lost[0].found);
-    EXPECT_GT(drive.lost[0].first_scan, 41U);
-    EXPECT_LT(drive.error_m(truth.size() - 1), 0.1);
-    EXPECT_LT(drive.error_m(40), 0.1);
-    for (std::size_t k = 0; k < truth.size(); ++k) EXPECT_LT(drive.error_m(k), 1) << k;
-}
-
-TEST(GridLocalisation, is_never_certain_in_a_map_of_another_building) {
-    const auto& building = twin_building();
-    const auto truth = test::poses_along(*loops_building().scene, 0, 12, 0.25);
-    const auto drive =
-        test::localise(building.map, starting_anywhere(), truth, 1,
-                       [&](std::size_t) -> const lines_world::World& { return loops_building().world; });
-    EXPECT_FALSE(drive.ever_known);
-    EXPECT_FALSE(drive.why_not.empty());
 }
 
 TEST(GridLocalisation, takes_maps_that_are_turned_coarse_or_fine) {

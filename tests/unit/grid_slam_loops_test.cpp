@@ -166,6 +166,7 @@ Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed, Weights w
     const auto motions = test::noisy_motions(truth, {0.01, 0.01, 0.3 * deg}, random);
     GridSlamSettings settings;
     settings.weights = weights;
+    settings.active.sigma_m = 0.05;  // what is behind is soon too uncertain to match with
     GridSlam slam{settings};
     Motion before;  // the pose at the scan before, and how well it is known
     for (std::size_t k = 0; k < truth.size(); ++k) {
