@@ -264,6 +264,25 @@ ScanFit refine(const SurfaceIndex& map, const Frame& frame, const Pose2& T_map_s
                    settings);
 }
 
+void forget_free_directions(ScanFit& fit, const Pose2& T_map_prior, double mean_range_m,
+                            double sigma_limit_m) {
+    const Eigen::Vector3d scale(1, 1, 1 / std::max(mean_range_m, 0.1));
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scale.asDiagonal() * fit.information *
+                                                               scale.asDiagonal());
+    Eigen::Matrix3d held = Eigen::Matrix3d::Zero();  // projection on what is held, in the scaled coordinates
+    for (int k = 0; k < 3; ++k)
+        if (eigen.eigenvalues()[k] >= 1 / (sigma_limit_m * sigma_limit_m))
+            held += eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();
+    const Eigen::Matrix3d project = scale.cwiseInverse().asDiagonal() * held * scale.asDiagonal();
+    fit.information = project * fit.information * project.transpose();
+    fit.gradient = project * fit.gradient;
+    Pose2& T = fit.T_map_base;
+    const Eigen::Vector3d off(T_map_prior.x_m - T.x_m, T_map_prior.y_m - T.y_m,
+                              wrap_to_pi(T_map_prior.phi_rad - T.phi_rad));
+    const Eigen::Vector3d free = off - project.transpose() * off;
+    T = {T.x_m + free.x(), T.y_m + free.y(), wrap_to_pi(T.phi_rad + free.z())};
+}
+
 Degeneracy degeneracy(const ScanFit& fit, double mean_range_m, double sigma_limit_m) {
     // A heading counts by what it moves at the mean range, so that all three have one unit.
     const Eigen::Vector3d scale(1, 1, 1 / std::max(mean_range_m, 0.1));

@@ -52,4 +52,10 @@ struct Degeneracy {
 };
 Degeneracy degeneracy(const ScanFit& fit, double mean_range_m, double sigma_limit_m);
 
+/// Along directions that are not observed the pose becomes that of the prior, and information and gradient
+/// nothing: what little there seems to be is noise of normals, and would hold the vehicle where it was
+/// thought to be, scan after scan.
+void forget_free_directions(ScanFit& fit, const Pose2& T_map_prior, double mean_range_m,
+                            double sigma_limit_m);
+
 }  // namespace loopline::grid_map

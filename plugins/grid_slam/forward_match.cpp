@@ -43,10 +43,13 @@ ForwardMatch match_on(const grid_map::ScanGrid& grid, const Surfaces& surfaces, 
     const auto found = grid_map::branch_and_bound(
         grid, points, window_for(T_map_prior, prior_covariance, grid.cell_m(), settings));
     const Eigen::Matrix3d prior_information = prior_covariance.inverse();
-    const grid_map::ScanFit fit = grid_map::refine(surfaces, frame, found ? found->T_map_base : T_map_prior,
-                                                   T_map_prior, prior_information, settings.refinement);
+    grid_map::ScanFit fit = grid_map::refine(surfaces, frame, found ? found->T_map_base : T_map_prior,
+                                             T_map_prior, prior_information, settings.refinement);
     match.fit = fit.fit;
-    match.degeneracy = grid_map::degeneracy(fit, mean_range_m(frame), settings.sigma_degenerate_m);
+    const double range_m = mean_range_m(frame);
+    match.degeneracy = grid_map::degeneracy(fit, range_m, settings.sigma_degenerate_m);
+    if (match.degeneracy.free_directions > 0)
+        grid_map::forget_free_directions(fit, T_map_prior, range_m, settings.sigma_degenerate_m);
     if (fit.fit < settings.min_fit) return match;
     match.matched = true;
     match.T_map_base = fit.T_map_base;

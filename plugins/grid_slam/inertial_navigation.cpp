@@ -136,12 +136,14 @@ void InertialNavigation::try_to_align() {
     aligned_ = true;
 }
 
-/// As if the vehicle went on as it did.
-Prediction InertialNavigation::steady(StampNs stamp_ns) const {
+/// As the wheels say, or as if the vehicle went on as it did.
+Prediction InertialNavigation::steady(StampNs stamp_ns, const std::optional<Pose2>& T_odom_base) const {
     Prediction p;
     p.stamp_ns = stamp_ns;
     p.duration_s = scan_ns_ ? seconds_between(*scan_ns_, stamp_ns) : 0;
     p.motion.T_before_now = T_before_now_;
+    if (settings_.wheels && T_odom_base && T_odom_base_)
+        p.motion.T_before_now = T_odom_base_->inverse() * *T_odom_base;
     p.motion.covariance.diagonal() << std::pow(settings_.sigma_steady_m, 2),
         std::pow(settings_.sigma_steady_m, 2), std::pow(settings_.sigma_steady_rad, 2);
     const Motion now = Motion{T_map_base_, covariance_} * p.motion;
@@ -157,7 +159,7 @@ Prediction InertialNavigation::predict(StampNs stamp_ns, const std::optional<Pos
     const Pose2 T_map_before = aligned_ ? inertial::base_pose(filter_.state(), place_).planar() : T_map_base_;
     propagate(stamp_ns);
     if (!aligned_) try_to_align();
-    Prediction p = steady(stamp_ns);
+    Prediction p = steady(stamp_ns, T_odom_base);
     scan_ns_ = stamp_ns;
     if (!was_aligned) {
         if (T_odom_base) T_odom_base_ = T_odom_base;
@@ -195,7 +197,9 @@ void InertialNavigation::take_wheels(const std::optional<Pose2>& T_odom_base, do
 }
 
 void InertialNavigation::update(const ForwardMatch& match) {
-    T_before_now_ = T_map_base_.inverse() * match.T_map_base;
+    // A motion that scans do not hold is not one to go on with: it would run away along a corridor.
+    T_before_now_ =
+        match.degeneracy.free_directions == 0 ? T_map_base_.inverse() * match.T_map_base : Pose2{};
     T_map_base_ = match.T_map_base;
     covariance_ = match.covariance;
     if (!aligned_ || !match.matched) return;

@@ -64,7 +64,7 @@ class InertialNavigation {
     void propagate(StampNs stamp_ns);
     void try_to_align();
     void take_wheels(const std::optional<Pose2>& T_odom_base, double duration_s);
-    Prediction steady(StampNs stamp_ns) const;
+    Prediction steady(StampNs stamp_ns, const std::optional<Pose2>& T_odom_base) const;
 
     InertialSettings settings_;
     inertial::Mechanisation mechanisation_;
