@@ -190,6 +190,8 @@ TEST(Refinement, information_stays_that_of_far_apart_returns_where_beams_are_den
 struct CorridorMatch {
     double along_rad;
     Eigen::Vector3d error;  ///< from the truth, along and across the corridor and of the heading
+    ScanFit fit;
+    Pose2 prior;
     double information_along;
     Degeneracy degeneracy;
 };
@@ -211,6 +213,8 @@ CorridorMatch match_in_corridor(double sigma_m, std::mt19937_64& random) {
     m.error = {along.dot(e.head<2>()), along.x() * e.y() - along.y() * e.x(), e.z()};
     m.information_along = along.dot(fit.information.topLeftCorner<2, 2>() * along);
     m.degeneracy = degeneracy(fit, 3, 0.3);
+    m.fit = fit;
+    m.prior = prior;
     return m;
 }
 
@@ -226,6 +230,33 @@ TEST(Refinement, leaves_the_way_along_a_corridor_to_the_prior) {
         EXPECT_GT(m.degeneracy.weakest_sigma_m, 0.3);
         EXPECT_LT(std::abs(std::sin(m.degeneracy.direction_rad - m.along_rad)), std::sin(2 * deg));
         EXPECT_LT(m.information_along, 1 / (0.3 * 0.3));
+    }
+}
+
+TEST(Refinement, states_nothing_along_a_corridor) {
+    std::mt19937_64 random(3);
+    for (int run = 0; run < 40; ++run) {
+        SCOPED_TRACE(run);
+        CorridorMatch m = match_in_corridor(run % 2 ? 0.005 : 0, random);
+        const ScanFit before = m.fit;
+        forget_free_directions(m.fit, m.prior, 3, 0.3);
+        const Eigen::Vector2d along(std::cos(m.along_rad), std::sin(m.along_rad)),
+            across(-along.y(), along.x());
+        const Eigen::Matrix2d I = m.fit.information.topLeftCorner<2, 2>();
+        EXPECT_LT(along.dot(I * along), 1e-2 * across.dot(I * across));
+        EXPECT_NEAR(across.dot(I * across), across.dot(before.information.topLeftCorner<2, 2>() * across),
+                    0.05 * across.dot(I * across));
+        EXPECT_NEAR(m.fit.information(2, 2), before.information(2, 2), 0.05 * before.information(2, 2));
+        const Eigen::Vector3d e = difference(m.fit.T_map_base, m.prior);
+        EXPECT_LT(std::abs(along.dot(e.head<2>())), 0.02);
+        EXPECT_LT(std::abs(across.dot(difference(m.fit.T_map_base, before.T_map_base).head<2>())), 0.005);
+        // What holds all directions is left as it is.
+        ScanFit held = before;
+        held.information = Eigen::Vector3d(400, 900, 5000).asDiagonal();
+        const ScanFit same = held;
+        forget_free_directions(held, m.prior, 3, 0.3);
+        EXPECT_LT((held.information - same.information).norm(), 1e-9 * same.information.norm());
+        EXPECT_LT(difference(held.T_map_base, same.T_map_base).norm(), 1e-12);
     }
 }
 
