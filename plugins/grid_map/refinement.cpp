@@ -264,16 +264,41 @@ ScanFit refine(const SurfaceIndex& map, const Frame& frame, const Pose2& T_map_s
                    settings);
 }
 
+namespace {
+
+/// Directions of motion by how well a scan holds them, weakest first. A heading counts by what it moves at
+/// the mean range, so that all three have one unit.
+struct HeldDirections {
+    HeldDirections(const ScanFit& fit, double mean_range_m) : scale(1, 1, 1 / std::max(mean_range_m, 0.1)) {
+        eigen.compute(scale.asDiagonal() * fit.information * scale.asDiagonal());
+    }
+    bool is_free(int k, double sigma_limit_m) const {
+        return eigen.eigenvalues()[k] < 1 / (sigma_limit_m * sigma_limit_m);
+    }
+    Eigen::Vector3d scale;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+};
+
+}  // namespace
+
+Degeneracy degeneracy(const ScanFit& fit, double mean_range_m, double sigma_limit_m) {
+    const HeldDirections held(fit, mean_range_m);
+    Degeneracy d;
+    for (int k = 0; k < 3; ++k) d.free_directions += held.is_free(k, sigma_limit_m);
+    d.weakest_sigma_m = 1 / std::sqrt(std::max(held.eigen.eigenvalues()[0], 1e-12));
+    d.direction_rad = std::atan2(held.eigen.eigenvectors()(1, 0), held.eigen.eigenvectors()(0, 0));
+    return d;
+}
+
 void forget_free_directions(ScanFit& fit, const Pose2& T_map_prior, double mean_range_m,
                             double sigma_limit_m) {
-    const Eigen::Vector3d scale(1, 1, 1 / std::max(mean_range_m, 0.1));
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scale.asDiagonal() * fit.information *
-                                                               scale.asDiagonal());
-    Eigen::Matrix3d held = Eigen::Matrix3d::Zero();  // projection on what is held, in the scaled coordinates
+    const HeldDirections held(fit, mean_range_m);
+    Eigen::Matrix3d onto_held = Eigen::Matrix3d::Zero();  // in the scaled coordinates
     for (int k = 0; k < 3; ++k)
-        if (eigen.eigenvalues()[k] >= 1 / (sigma_limit_m * sigma_limit_m))
-            held += eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose();
-    const Eigen::Matrix3d project = scale.cwiseInverse().asDiagonal() * held * scale.asDiagonal();
+        if (!held.is_free(k, sigma_limit_m))
+            onto_held += held.eigen.eigenvectors().col(k) * held.eigen.eigenvectors().col(k).transpose();
+    const Eigen::Matrix3d project =
+        held.scale.cwiseInverse().asDiagonal() * onto_held * held.scale.asDiagonal();
     fit.information = project * fit.information * project.transpose();
     fit.gradient = project * fit.gradient;
     Pose2& T = fit.T_map_base;
@@ -281,19 +306,6 @@ void forget_free_directions(ScanFit& fit, const Pose2& T_map_prior, double mean_
                               wrap_to_pi(T_map_prior.phi_rad - T.phi_rad));
     const Eigen::Vector3d free = off - project.transpose() * off;
     T = {T.x_m + free.x(), T.y_m + free.y(), wrap_to_pi(T.phi_rad + free.z())};
-}
-
-Degeneracy degeneracy(const ScanFit& fit, double mean_range_m, double sigma_limit_m) {
-    // A heading counts by what it moves at the mean range, so that all three have one unit.
-    const Eigen::Vector3d scale(1, 1, 1 / std::max(mean_range_m, 0.1));
-    const Eigen::Matrix3d scaled = scale.asDiagonal() * fit.information * scale.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scaled);
-    Degeneracy d;
-    for (int k = 0; k < 3; ++k)
-        if (eigen.eigenvalues()[k] < 1 / (sigma_limit_m * sigma_limit_m)) ++d.free_directions;
-    d.weakest_sigma_m = 1 / std::sqrt(std::max(eigen.eigenvalues()[0], 1e-12));
-    d.direction_rad = std::atan2(eigen.eigenvectors()(1, 0), eigen.eigenvectors()(0, 0));
-    return d;
 }
 
 }  // namespace loopline::grid_map

@@ -38,7 +38,6 @@ GridLocalisation::GridLocalisation(const LocalisationSettings& settings, const F
 
 GridSlamSettings GridLocalisation::local_settings() const {
     GridSlamSettings local;
-    local.cell_m = 0.05;
     local.frame = settings_.frame;
     local.forward = settings_.forward;
     local.links.refinement = settings_.forward.refinement;

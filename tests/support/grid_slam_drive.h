@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "grid_slam/grid_slam.h"
 #include "grid_slam/map_frames.h"
 #include "grid_slam/motion.h"
 #include "property/grid_map_world.h"
@@ -69,6 +70,27 @@ inline lines_world::World ring_building() {
                                {0.9, 3.1}})
         grid_map_world::add_box(world, x - 0.3, y - 0.2, x + 0.3, y + 0.2);
     return world;
+}
+
+/// Scans at the true poses and the motions between them through mapping, to its end. `stamp(k)`: of scan k.
+template <class Stamp>
+void map_drive(grid_slam::GridSlam& slam, const lines_world::World& world, const std::vector<Pose2>& truth,
+               const std::vector<grid_slam::Motion>& motions, const grid_map_world::Sensor& sensor,
+               const Stamp& stamp, std::mt19937_64& random) {
+    grid_slam::Motion before;  // the pose at the scan before, and how well it is known
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+        if (const auto T_new_old = slam.advance()) before.T_before_now = *T_new_old * before.T_before_now;
+        grid_slam::Prediction prediction;
+        prediction.stamp_ns = stamp(k);
+        prediction.duration_s = k == 0 ? 0 : 0.1;
+        if (k > 0) prediction.motion = motions[k - 1];
+        const grid_slam::Motion now = before * prediction.motion;
+        prediction.T_map_base = now.T_before_now;
+        prediction.covariance = now.covariance;
+        const auto pose = slam.add(grid_map_world::scan_at(world, truth[k], sensor, random), prediction);
+        before = {pose.T_map_base, pose.match.covariance};
+    }
+    slam.finish();
 }
 
 }  // namespace loopline::test

@@ -44,22 +44,7 @@ struct Ring {
         settings.decisions = decisions;
         settings.active.sigma_m = 0.05;  // what is behind is soon too uncertain to match with
         auto owned = std::make_unique<GridSlam>(settings);
-        GridSlam& slam = *owned;
-        Motion before;
-        for (std::size_t k = 0; k < truth.size(); ++k) {
-            if (const auto T = slam.advance()) before.T_before_now = *T * before.T_before_now;
-            Prediction prediction;
-            prediction.stamp_ns = stamp(k);
-            prediction.duration_s = k == 0 ? 0 : 0.1;
-            if (k > 0) prediction.motion = motions[k - 1];
-            const Motion now = before * prediction.motion;
-            prediction.T_map_base = now.T_before_now;
-            prediction.covariance = now.covariance;
-            const ScanPose pose =
-                slam.add(grid_map_world::scan_at(world, truth[k], sensor, random), prediction);
-            before = {pose.T_map_base, pose.match.covariance};
-        }
-        slam.finish();
+        test::map_drive(*owned, world, truth, motions, sensor, stamp, random);
         return owned;
     }
     double rmse_m(const GridSlam& slam) const {

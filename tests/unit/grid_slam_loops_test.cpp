@@ -168,21 +168,7 @@ Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed, Weights w
     settings.weights = weights;
     settings.active.sigma_m = 0.05;  // what is behind is soon too uncertain to match with
     GridSlam slam{settings};
-    Motion before;  // the pose at the scan before, and how well it is known
-    for (std::size_t k = 0; k < truth.size(); ++k) {
-        if (const auto T_new_old = slam.advance()) before.T_before_now = *T_new_old * before.T_before_now;
-        Prediction prediction;
-        prediction.stamp_ns = stamp(k);
-        prediction.duration_s = k == 0 ? 0 : 0.1;
-        if (k > 0) prediction.motion = motions[k - 1];
-        const Motion now = before * prediction.motion;
-        prediction.T_map_base = now.T_before_now;
-        prediction.covariance = now.covariance;
-        const ScanPose pose =
-            slam.add(grid_map_world::scan_at(world, truth[k], sensor_270, random), prediction);
-        before = {pose.T_map_base, pose.match.covariance};
-    }
-    slam.finish();
+    test::map_drive(slam, world, truth, motions, sensor_270, stamp, random);
     Path path;
     slam.path(path.poses, path.covariances);
     for (const LoopRecord& record : slam.loops())
