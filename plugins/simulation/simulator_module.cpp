@@ -4,6 +4,7 @@
 
 #include "simulation/imu_sensor.h"
 #include "simulation/laser_sensors.h"
+#include "simulation/spinning_lidar_sensor.h"
 #include "simulation/wheel_sensors.h"
 
 namespace loopline {
@@ -20,6 +21,7 @@ std::vector<std::shared_ptr<Sensor>> all_sensors() {
     sensors.push_back(std::make_shared<ImuSensor>());
     sensors.push_back(std::make_shared<HorizontalLaser>());
     sensors.push_back(std::make_shared<SurveyLaser>());
+    sensors.push_back(std::make_shared<SpinningLidarSensor>());
     return sensors;
 }
 
@@ -49,7 +51,8 @@ ModuleInfo WorldSimulator::info() const {
             "Makes a log and its truth from a scenario.",
             {},
             {},
-            {"CObservationOdometry", "CObservationComment", "CObservationIMU", "CObservation2DRangeScan"}};
+            {"CObservationOdometry", "CObservationComment", "CObservationIMU", "CObservation2DRangeScan",
+             "CObservationRotatingScan"}};
 }
 
 ParameterTable WorldSimulator::parameters() {
@@ -76,6 +79,10 @@ std::vector<ScenarioProblem> WorldSimulator::check_scenario() {
         if (std::find(known.begin(), known.end(), name) == known.end())
             problems.push_back(
                 {"simulation", "sensors", 0, "names \"" + name + "\", which is none; there are " + listed});
+    for (const auto& sensor : sensors_in_use())
+        if (scenario_.generator == Generator::town && sensor->sees_walls_only())
+            problems.push_back({"simulation", "sensors", 0,
+                                "names " + sensor->name() + ", which sees walls and nothing of a town"});
     if (scenario_.sensors.empty())
         problems.push_back({"simulation", "sensors", 0, "names none; there are " + listed});
     return problems;
@@ -92,7 +99,7 @@ std::vector<Sensor*> WorldSimulator::sensors_in_use() {
 
 void WorldSimulator::simulate(SimulationSink& sink) {
     const auto scene = make_scene(scenario_);
-    write_world(scene->world, sink);
+    if (!scene->landscape) write_world(scene->world, sink);
     const auto sensors = sensors_in_use();
     for (Sensor* sensor : sensors) sensor->start(*scene);
     const double total_s = seconds_between(0, scene->duration_ns());
@@ -105,7 +112,7 @@ void WorldSimulator::simulate(SimulationSink& sink) {
         if (next->is_scanner())
             sink.true_pose(scene->start_ns + time_ns, scene->drive.motion.pose_at(time_ns));
         sink.observation(*next->next());
-        if (made % 1000 == 0) sink.progress(seconds_between(0, time_ns), total_s);
+        if (made % 1000 == 0 || next->is_slow()) sink.progress(seconds_between(0, time_ns), total_s);
     }
     sink.note("The drive takes " + number_text(std::round(total_s * 10) / 10) + " s.");
     for (const Sensor* sensor : sensors)
