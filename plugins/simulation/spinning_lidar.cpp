@@ -79,7 +79,7 @@ std::uint16_t SpinningLidar::measured(const MeshHit& hit) {
     const Optics optics = optics_of(hit.material);
     const double part = hit.range_m / settings_.max_range_m;
     const double signal = optics.reflectance * hit.cosine / (part * part * settings_.least_reflectance);
-    if (!random_.chance(std::clamp(signal - 0.5, 0.0, 1.0))) return 0;
+    if (!random_.chance((1 - optics.lost) * std::clamp(signal - 0.5, 0.0, 1.0))) return 0;
     const double deeper_m = optics.depth_m > 0 ? random_.uniform(0, optics.depth_m) : 0;
     const double range_m = hit.range_m + deeper_m + random_.normal(settings_.sigma_range_m);
     if (range_m < settings_.min_range_m || range_m > settings_.max_range_m) return 0;

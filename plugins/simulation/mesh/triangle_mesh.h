@@ -26,31 +26,32 @@ enum class Material : std::uint8_t {
 struct Optics {
     double reflectance = 0;  ///< of light that falls on it square
     double depth_m = 0;      ///< how far a beam may go into it before it meets a leaf
+    double lost = 0;         ///< part of the beams that goes through it, or off as from a mirror
 };
 inline Optics optics_of(Material material) {
     switch (material) {
         case Material::asphalt:
-            return {0.12, 0};
+            return {0.12, 0, 0};
         case Material::pavement:
-            return {0.25, 0};
+            return {0.25, 0, 0};
         case Material::grass:
-            return {0.3, 0.05};
+            return {0.3, 0.05, 0};
         case Material::plaster:
-            return {0.5, 0};
+            return {0.5, 0, 0};
         case Material::brick:
-            return {0.35, 0};
+            return {0.35, 0, 0};
         case Material::concrete:
-            return {0.3, 0};
+            return {0.3, 0, 0};
         case Material::glass:
-            return {0.01, 0};
+            return {0.05, 0, 0.7};
         case Material::paint:
-            return {0.4, 0};
+            return {0.4, 0, 0};
         case Material::metal:
-            return {0.3, 0};
+            return {0.3, 0, 0};
         case Material::bark:
-            return {0.2, 0};
+            return {0.2, 0, 0};
         case Material::foliage:
-            return {0.4, 0.5};
+            return {0.4, 0.5, 0.1};
     }
     return {};
 }

@@ -7,10 +7,10 @@
 namespace loopline::simulation {
 namespace {
 
-constexpr double rib_m = 1.5;   ///< from rib to rib
-constexpr double rock_m = 0.12;  ///< how far a wall of rock strays
-constexpr double wall_sunk_m = 0.3;    ///< walls begin below the ground
-constexpr int pillar_every = 6;   ///< pieces
+constexpr double rib_m = 1.5;        ///< from rib to rib
+constexpr double rock_m = 0.12;      ///< how far a wall of rock strays
+constexpr double wall_sunk_m = 0.3;  ///< walls begin below the ground
+constexpr int pillar_every = 6;      ///< pieces
 constexpr double pillar_m = 0.6;
 
 /// The outline of the gallery at one place: feet and shoulders of both walls.

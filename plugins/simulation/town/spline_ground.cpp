@@ -90,10 +90,11 @@ SplineGround::SplineGround(const std::vector<Eigen::Vector3d>& points_m, double 
 }
 
 SplineGround::Spot SplineGround::spot(const Eigen::Vector2d& place_m) const {
-    const double x = std::clamp((place_m.x() - origin_m_.x()) / knot_m, 0.0, columns_ - 3 - 1e-9),
-                 y = std::clamp((place_m.y() - origin_m_.y()) / knot_m, 0.0, rows_ - 3 - 1e-9);
+    const Eigen::Vector2d at = (place_m - origin_m_) / knot_m;
+    const double x = std::clamp(at.x(), 0.0, columns_ - 3 - 1e-9),
+                 y = std::clamp(at.y(), 0.0, rows_ - 3 - 1e-9);
     const int column = static_cast<int>(x), row = static_cast<int>(y);
-    return {column, row, x - column, y - row};
+    return {column, row, x - column, y - row, x != at.x(), y != at.y()};
 }
 
 double SplineGround::height_m(const Eigen::Vector2d& place_m) const {
@@ -119,7 +120,7 @@ Eigen::Vector2d SplineGround::slope(const Eigen::Vector2d& place_m) const {
                 index(s.column + static_cast<int>(i), s.row + static_cast<int>(j)))];
             sum += c_m / knot_m * Eigen::Vector2d(along_slope[i] * across[j], along[i] * across_slope[j]);
         }
-    return sum;
+    return {s.beyond_x ? 0 : sum.x(), s.beyond_y ? 0 : sum.y()};
 }
 
 }  // namespace loopline::simulation

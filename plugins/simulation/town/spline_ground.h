@@ -19,8 +19,9 @@ class SplineGround : public Ground {
 
  private:
     struct Spot {
-        int column, row;  ///< the first of four control heights each way
-        double u, v;      ///< 0 .. 1 within the cell
+        int column, row;          ///< the first of four control heights each way
+        double u, v;              ///< 0 .. 1 within the cell
+        bool beyond_x, beyond_y;  ///< the place itself is off the grid
     };
     Spot spot(const Eigen::Vector2d& place_m) const;
     int index(int column, int row) const { return row * columns_ + column; }

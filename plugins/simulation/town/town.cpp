@@ -1,7 +1,6 @@
 #include "simulation/town/town.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "simulation/random_stream.h"
@@ -13,7 +12,7 @@ namespace {
 
 // Across a street on whose right lane the way is; to the left there is one more lane.
 constexpr double other_lane_m = 3.2;
-constexpr double kerb_right_m = 4.3, pavement_m = 1.8;
+constexpr double kerb_right_m = 4.3, pavement_m = 1.8, verge_m = 1.5;
 constexpr double parked_right_m = 3.2;
 // What must stay free of any street's middle line.
 constexpr double building_clear_m = 6, car_clear_m = 2, thing_clear_m = 3.2, pavement_clear_m = 4;
@@ -221,28 +220,34 @@ class Grower {
                  0.3, phase, Material::foliage);
     }
 
-    /// Slab after slab beside the street, wherever no other street crosses.
+    /// Slab after slab beside the street, wherever no other street crosses; behind them the ground falls to
+    /// what it was.
     void lay_pavement(const Street& street, double side) {
         constexpr double slab_m = 2;
-        for (double way_m = 0; way_m + slab_m < street.length_m(); way_m += slab_m) {
-            const std::array<double, 2> ways_m{way_m, way_m + slab_m},
-                besides_m{kerb_right_m, kerb_right_m + pavement_m};
-            Eigen::Vector3d corners_m[2][2];
-            bool clear = !blocked(street, way_m);
-            for (std::size_t i = 0; i < 2; ++i)
-                for (std::size_t j = 0; j < 2; ++j) {
-                    const Eigen::Vector2d p = beside(street, side, ways_m[i], besides_m[j]).translation();
-                    clear = clear && streets_.distance_m(p, pavement_clear_m) >= pavement_clear_m;
-                    corners_m[i][j] = {p.x(), p.y(), ground_.height_m(p) + settings_.kerb_m};
-                }
-            if (!clear) continue;
-            const Eigen::Vector3d down_m(0, 0, -settings_.kerb_m - 0.1);
-            town_.mesh.add_quad(corners_m[0][0], corners_m[1][0], corners_m[1][1], corners_m[0][1],
-                                Material::pavement);
-            for (std::size_t j = 0; j < 2; ++j)
-                town_.mesh.add_quad(corners_m[0][j], corners_m[1][j], corners_m[1][j] + down_m,
-                                    corners_m[0][j] + down_m, Material::concrete);
-        }
+        for (double way_m = 0; way_m + slab_m < street.length_m(); way_m += slab_m)
+            if (!blocked(street, way_m)) lay_slab(street, side, way_m, way_m + slab_m);
+    }
+
+    void lay_slab(const Street& street, double side, double from_m, double to_m) {
+        struct Edge {
+            double beside_m, height_m;
+        };
+        const Edge edges[] = {{kerb_right_m, -0.1},
+                              {kerb_right_m, settings_.kerb_m},
+                              {kerb_right_m + pavement_m, settings_.kerb_m},
+                              {kerb_right_m + pavement_m + verge_m, -0.02}};
+        const auto corner_m = [&](double way_m, const Edge& edge) -> Eigen::Vector3d {
+            const Eigen::Vector2d p = beside(street, side, way_m, edge.beside_m).translation();
+            return {p.x(), p.y(), ground_.height_m(p) + edge.height_m};
+        };
+        for (const Edge& edge : edges)
+            for (const double way_m : {from_m, to_m})
+                if (streets_.distance_m(corner_m(way_m, edge).head<2>(), pavement_clear_m) < pavement_clear_m)
+                    return;
+        const Material materials[] = {Material::concrete, Material::pavement, Material::grass};
+        for (std::size_t i = 0; i < 3; ++i)
+            town_.mesh.add_quad(corner_m(from_m, edges[i]), corner_m(to_m, edges[i]),
+                                corner_m(to_m, edges[i + 1]), corner_m(from_m, edges[i + 1]), materials[i]);
     }
 
     const Street& along_;
