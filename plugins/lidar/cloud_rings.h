@@ -20,34 +20,47 @@ struct SweepConvention {
     double stamp_part = 0.5;  ///< of the sweep that is over at the stamp
 };
 
-/// When a beam at this azimuth was measured, after the stamp.
-double time_of_azimuth_s(const SweepConvention& convention, double azimuth_rad);
-
 /// Where a point lies, seen from the lidar.
 struct BeamDirection {
     float azimuth_rad;  ///< -pi .. pi, counter-clockwise from the x axis
     float slope;        ///< tangent of the elevation, which orders beams as the angle does
 };
-/// No point may lie on the lidar's own axis.
-std::vector<BeamDirection> directions_of(const std::vector<Eigen::Vector3f>& points_m);
+/// No point may lie on the lidar's own axis. Azimuths are right to 1e-5, which is a fraction of a microsecond
+/// of a sweep.
+void find_directions(const std::vector<Eigen::Vector3f>& points_m, std::vector<BeamDirection>& directions);
 
 /// Which ring each point belongs to.
 struct RingsOfCloud {
     std::vector<std::uint16_t> ring_of_point;
-    std::size_t rings = 0;  ///< 0: none could be told
+    std::size_t rings = 0;             ///< 0: none could be told
+    std::vector<std::uint32_t> count;  ///< points of each ring
+    std::vector<double> slope;         ///< mean of each ring
 };
 
 /// Where points are stored ring after ring, as KITTI's are: a ring ends where the azimuth begins anew. No
 /// ring if the cloud is not stored like that: if elevations within a ring differ as they do from ring to
 /// ring.
-RingsOfCloud rings_by_order(const std::vector<BeamDirection>& directions);
+void find_rings_by_order(const std::vector<BeamDirection>& directions, RingsOfCloud& found);
 
 /// Any order: elevations form clusters with gaps between them; where there are no gaps, `bands` of equal
 /// height.
-RingsOfCloud rings_by_elevation(const std::vector<BeamDirection>& directions, std::size_t bands = 64);
+void find_rings_by_elevation(const std::vector<BeamDirection>& directions, RingsOfCloud& found,
+                             std::size_t bands = 64);
 
-/// Rings by order, else by elevation. No point may lie on the lidar's own axis.
-void read_cloud(const std::vector<Eigen::Vector3f>& points_m, const SweepConvention& convention,
-                SpinningScan& scan);
+/// Keeps its memory from cloud to cloud.
+class CloudReader {
+ public:
+    /// Rings by order, else by elevation. No point may lie on the lidar's own axis.
+    void read(const std::vector<Eigen::Vector3f>& points_m, const SweepConvention& convention,
+              SpinningScan& scan);
+
+ private:
+    void sort_into(const std::vector<Eigen::Vector3f>& points_m, const SweepConvention& convention,
+                   SpinningScan& scan);
+
+    std::vector<BeamDirection> directions_;
+    RingsOfCloud found_;
+    std::vector<std::uint32_t> next_;  ///< place of each ring's next point
+};
 
 }  // namespace loopline::lidar

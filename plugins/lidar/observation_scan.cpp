@@ -157,7 +157,7 @@ bool SpinningScanReader::read_points(const mrpt::obs::CObservationPointCloud& cl
         if (level_m2 > least_level_m * least_level_m && std::isfinite(level_m2) && std::isfinite(z_m[i]))
             points_m_.emplace_back(x_m[i], y_m[i], z_m[i]);
     }
-    read_cloud(points_m_, cloud_sweep_, scan);
+    clouds_.read(points_m_, cloud_sweep_, scan);
     return true;
 }
 

@@ -48,6 +48,7 @@ class SpinningScanReader {
     RangeImageReader images_;
     RangeImageGeometry geometry_;
     std::string model_;  ///< whose elevations are in `geometry_`
+    CloudReader clouds_;
     std::vector<Eigen::Vector3f> points_m_;
 };
 

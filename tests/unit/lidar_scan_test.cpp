@@ -46,6 +46,14 @@ std::vector<Eigen::Vector3f> stored_like_kitti(const std::vector<double>& elevat
     return points_m;
 }
 
+std::size_t rings_in_order(const std::vector<Eigen::Vector3f>& points_m) {
+    std::vector<BeamDirection> directions;
+    RingsOfCloud found;
+    find_directions(points_m, directions);
+    find_rings_by_order(directions, found);
+    return found.rings;
+}
+
 void expect_rings_of_their_own(const SpinningScan& scan, const std::vector<double>& elevations_deg) {
     ASSERT_EQ(scan.rings(), elevations_deg.size());
     for (std::size_t ring = 0; ring < scan.rings(); ++ring)
@@ -129,9 +137,9 @@ TEST(RangeImage, survives_a_rawlog) {
 TEST(CloudRings, are_told_by_the_order_of_the_points) {
     const auto elevations_deg = table_of_beams(64)->elevations_deg;
     const auto points_m = stored_like_kitti(elevations_deg, 360);
-    EXPECT_EQ(rings_by_order(directions_of(points_m)).rings, 64u);
+    EXPECT_EQ(rings_in_order(points_m), 64u);
     SpinningScan scan;
-    read_cloud(points_m, {}, scan);
+    CloudReader().read(points_m, {}, scan);
     EXPECT_EQ(scan.points.size(), points_m.size());
     expect_rings_of_their_own(scan, elevations_deg);
     EXPECT_EQ(scan.begin_s, -0.05);
@@ -146,9 +154,9 @@ TEST(CloudRings, are_told_by_elevation_in_any_order) {
     auto points_m = stored_like_kitti(elevations_deg, 180);
     for (std::size_t i = 0; i < points_m.size(); ++i)
         std::swap(points_m[i], points_m[i * 7919 % points_m.size()]);
-    EXPECT_EQ(rings_by_order(directions_of(points_m)).rings, 0u);
+    EXPECT_EQ(rings_in_order(points_m), 0u);
     SpinningScan scan;
-    read_cloud(points_m, {}, scan);
+    CloudReader().read(points_m, {}, scan);
     expect_rings_of_their_own(scan, elevations_deg);
 }
 
@@ -159,10 +167,10 @@ TEST(CloudRings, elevations_without_gaps_become_bands) {
         points_m.emplace_back(9 * std::cos(a), 9 * std::sin(a), 9 * e);
     }
     SpinningScan scan;
-    read_cloud(points_m, {}, scan);
+    CloudReader().read(points_m, {}, scan);
     EXPECT_EQ(scan.rings(), 64u);
     EXPECT_EQ(scan.points.size(), points_m.size());
-    read_cloud({}, {}, scan);
+    CloudReader().read({}, {}, scan);
     EXPECT_EQ(scan.points.size(), 0u);
 }
 
