@@ -22,6 +22,7 @@ enum class Driving { steered, pushed };
 struct Scenario {
     std::uint64_t seed = 1;
     double start_utc_s = 1.3e9;
+    double truth_hz = 0;  ///< poses of the true path besides those at scans
     std::vector<std::string> sensors{"wheels", "commands", "horizontal_laser"};
     Generator generator = Generator::none;
     FloorPlan plan;

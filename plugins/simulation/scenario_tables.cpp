@@ -192,6 +192,8 @@ ParameterTable Scenario::simulation_table() {
         .list("sensors", sensors, "Sensors of the vehicle, each with the section of its name.")
         .real("start_s", start_utc_s, {0, 4e9},
               "Time of the first observations, in seconds since 1970 (UTC).")
+        .real("truth_hz", truth_hz, {0, 1000},
+              "The true path has so many more poses a second, besides those at scans; 0: none.")
         .real("step_s", drive.step_s, {1e-4, 0.1}, "Step of the vehicle's motion.")
         .real("control_s", drive.control_s, {1e-3, 10}, "Time from one command to the next.")
         .real("longest_s", drive.longest_s, Range::positive(), "A drive that takes longer does not arrive.");

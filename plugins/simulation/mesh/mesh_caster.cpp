@@ -76,6 +76,8 @@ std::unique_ptr<MeshCaster> make_mesh_caster(const TriangleMesh& mesh) {
     void* const entry = library != nullptr ? dlsym(library, embree_entry_name) : nullptr;
     if (entry == nullptr) {
         const char* const reason = dlerror();
+        if (!std::filesystem::exists(file))
+            throw std::runtime_error("a spinning lidar needs Embree; install libembree-dev and build again");
         throw std::runtime_error(
             std::string("a spinning lidar needs Embree (libembree3-3), which can't be loaded: ") +
             (reason != nullptr ? reason : file.string() + " is damaged"));
