@@ -28,7 +28,7 @@ struct NormalEquations {
 Twist3 velocity_to(const MotionPrior& prior, const Pose3& T_map_base) {
     if (!(prior.duration_s > 0)) return {};
     const Twist3 way = log_se3(prior.T_map_before.inverse() * T_map_base) * (1 / prior.duration_s);
-    return {way.shift_m + 0.5 * prior.velocity_change.shift_m, way.turn_rad + 0.5 * prior.velocity_change.turn_rad};
+    return {way.shift_m + 0.0 * prior.velocity_change.shift_m, way.turn_rad + 0.0 * prior.velocity_change.turn_rad};
 }
 
 NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& points, const Pose3& T_map_base,

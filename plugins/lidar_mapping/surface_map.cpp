@@ -7,6 +7,8 @@ namespace loopline::lidar_mapping {
 namespace {
 
 constexpr std::size_t first_slots = 1024;
+/// Where one ring of a sweep crosses a cube it leaves a line that is no edge; it lies level, or nearly so.
+constexpr float upright = 0.7F;
 
 VoxelIndex unpack(VoxelKey key) {
     const auto part = [key](int shift) {
@@ -96,7 +98,8 @@ void SurfaceMap::fit(const Size& size, Cell& cell) const {
         cell.kind = Surface::Kind::plane;
         Eigen::Map<Eigen::Vector3f>(cell.direction.data()) = eigen.eigenvectors().col(0);
         cell.variance = variance[0] * edge2;
-    } else if (variance[1] < thin2 && variance[2] > wide2 && variance[2] > 9 * variance[1]) {
+    } else if (variance[1] < thin2 && variance[2] > wide2 && variance[2] > 9 * variance[1] &&
+               std::abs(eigen.eigenvectors()(2, 2)) > upright) {
         cell.kind = Surface::Kind::edge;
         Eigen::Map<Eigen::Vector3f>(cell.direction.data()) = eigen.eigenvectors().col(2);
         cell.variance = variance[1] * edge2;
