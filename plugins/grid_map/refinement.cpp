@@ -110,26 +110,24 @@ class GridSurfaces {
 class IndexedSurfaces {
  public:
     IndexedSurfaces(const SurfaceIndex& index, double reach_m)
-        : index_(index),
-          reach2_m2_(static_cast<float>(reach_m * reach_m)),
-          scale_m_(static_cast<float>(index.spacing_m())) {}
+        : index_(index), reach_m_(static_cast<float>(reach_m)) {}
 
     Correspondence at(const Eigen::Vector2d& p_map_m, const Eigen::Vector2d& normal) const {
-        const auto px = static_cast<float>(p_map_m.x()), py = static_cast<float>(p_map_m.y()),
-                   nx = static_cast<float>(normal.x()), ny = static_cast<float>(normal.y());
-        NearbySurfaces nearby(reach2_m2_);
-        index_.near(p_map_m.x(), p_map_m.y(), [&](const SurfaceIndex::Point& q) {
-            const float dx = q.x - px, dy = q.y - py;
-            if (dx * dx + dy * dy < reach2_m2_ && q.nx * nx + q.ny * ny > 0.7F)
-                nearby.add(dx, dy, q.nx, q.ny, 1);
-        });
-        return nearby.average(p_map_m, 1, scale_m_);
+        const SurfaceIndex::Nearby nearby =
+            index_.nearest(p_map_m.x(), p_map_m.y(), static_cast<float>(normal.x()),
+                           static_cast<float>(normal.y()), reach_m_);
+        Correspondence c;
+        if (!nearby.found) return c;
+        c.found = true;
+        c.p_map_m = p_map_m + Eigen::Vector2d(nearby.dx_m, nearby.dy_m);
+        c.normal_map = Eigen::Vector2d(nearby.nx, nearby.ny).normalized();
+        return c;
     }
     bool has_rough_normals() const { return index_.has_rough_normals(); }
 
  private:
     const SurfaceIndex& index_;
-    float reach2_m2_, scale_m_;
+    float reach_m_;
 };
 
 struct NormalEquations {

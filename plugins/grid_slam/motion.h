@@ -25,6 +25,16 @@ inline Eigen::Matrix3d carried_by(const Eigen::Vector2d& way_m) {
     return carried;
 }
 
+/// carried_by(way) * covariance * carried_by(way)', written out.
+inline Eigen::Matrix3d carried(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& way_m) {
+    const double a = -way_m.y(), b = way_m.x(), pp = covariance(2, 2);
+    const double xp = covariance(0, 2) + a * pp, yp = covariance(1, 2) + b * pp;
+    const double xx = covariance(0, 0) + a * (covariance(0, 2) + xp),
+                 yy = covariance(1, 1) + b * (covariance(1, 2) + yp),
+                 xy = covariance(0, 1) + a * covariance(1, 2) + b * xp;
+    return (Eigen::Matrix3d() << xx, xy, xp, xy, yy, yp, xp, yp, pp).finished();
+}
+
 struct Motion {
     Pose2 T_before_now;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, phi), along the axes of `before`
