@@ -149,7 +149,7 @@ void ScanGrid::settle_bounds(int h, int tile_x, int tile_y) {
     // Level 1 looks at four cells to each side, a coarser one at two even blocks of the level below it.
     const int parts = h == 1 ? 4 : 2, stride = h == 1 ? 1 : 2;
     const int first_x = ((tile_x * side) >> h) - 1, first_y = ((tile_y * side) >> h) - 1,
-              count = (side >> h) + 1, below = 2 * (count - 1) + parts;
+              count = (side >> h) + 1, below = 2 * (count - 1) + stride * (parts - 1) + 1;
     std::array<std::uint8_t, (side + 4) * (side + 4)> fine{};
     likelihood_[h - 1].visit_window(
         2 * first_x, 2 * first_y, 2 * first_x + below - 1, 2 * first_y + below - 1,

@@ -37,7 +37,7 @@ class SurfaceIndex {
     /// `normal`: within about 45 degrees of it the surface must face.
     Nearby nearest(double x_m, double y_m, float normal_x, float normal_y, float reach_m) const;
 
-    bool empty() const { return x_.empty(); }
+    bool empty() const { return points_.empty(); }
 
  private:
     struct Range {
