@@ -14,7 +14,9 @@ struct ForwardSettings {
     double max_window_rad = 40 * M_PI / 180;
     double heading_step_rad = 0.5 * M_PI / 180;
     int search_points = 60;
-    double min_fit = 0.3;  ///< part of the returns on a surface, below which the motion alone counts
+    /// Part of the returns on a surface, below which the motion alone counts: among furniture that was moved,
+    /// a third of any scan comes to lie on some surface.
+    double min_fit = 0.4;
     double sigma_degenerate_m = 0.3;  ///< a direction that the scan holds no better than this is not observed
     grid_map::RefinementSettings refinement;
 };
