@@ -50,6 +50,22 @@ void move_filter(inertial::ErrorStateFilter& filter, const Pose2& T_new_old) {
     filter.start(state, turns * filter.covariance() * turns.transpose());
 }
 
+/// The map begins anew at the vehicle, and errs with it: position and heading are those of the map from now
+/// on, and the velocity errs by what its direction does against that heading.
+void begin_map(inertial::ErrorStateFilter& filter) {
+    const Eigen::Vector3d v = filter.state().v_map_mps;
+    constexpr int x = inertial::position_error, y = x + 1, heading = inertial::attitude_error + 2;
+    inertial::ErrorMatrix since = inertial::ErrorMatrix::Identity();
+    since(inertial::velocity_error, heading) = v.y();
+    since(inertial::velocity_error + 1, heading) = -v.x();
+    for (const int part : {x, y, heading}) since(part, part) = 0;
+    inertial::ErrorMatrix P = since * filter.covariance() * since.transpose();
+    constexpr double sigma_m = 1e-3, sigma_rad = 1e-4;  // not zero, which no filter likes
+    P(x, x) = P(y, y) = sigma_m * sigma_m;
+    P(heading, heading) = sigma_rad * sigma_rad;
+    filter.start(filter.state(), P);
+}
+
 inertial::PlanarInformation without_the_map_noise(const ForwardMatch& match, const MapNoise& map) {
     // Directions that the scan does not hold have no information, and stay without.
     const Eigen::Matrix3d doubt =
@@ -201,7 +217,8 @@ void InertialNavigation::update(const ForwardMatch& match) {
     T_before_now_ =
         match.degeneracy.free_directions == 0 ? T_map_base_.inverse() * match.T_map_base : Pose2{};
     T_map_base_ = match.T_map_base;
-    covariance_ = match.covariance;
+    covariance_ = match.begins_map ? Eigen::Matrix3d::Zero().eval() : match.covariance;
+    if (aligned_ && match.begins_map) begin_map(filter_);
     if (!aligned_ || !match.matched) return;
     const auto pose = without_the_map_noise(match, settings_.map);
     filter_.update(inertial::pose_measurement(filter_.state(), place_, pose));

@@ -96,6 +96,9 @@ class NavigatedScans {
 
 /// Rows of how a scan is matched with what is around it.
 void declare_matching(ParameterTable& table, grid_map::FrameSettings& frame, ForwardSettings& forward);
+/// A noisier laser tells the direction of a surface from a longer piece of it only, and scatters more about
+/// it.
+void fit_surfaces_to_noise(grid_map::FrameSettings& frame, double sigma_return_m);
 
 /// What a module publishes of a scan's pose; the covariance is of (x, y, phi), map axes.
 mrpt::obs::CObservationRobotPose::Ptr pose_observation(const std::string& label, const Pose2& T_map_base,
