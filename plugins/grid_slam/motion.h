@@ -71,8 +71,8 @@ inline Motion wheel_motion(const Pose2& T_before_now, double duration_s, const W
     const double way_m = T_before_now.translation().norm(),
                  root_s = std::sqrt(std::clamp(duration_s, 0.01, 1.0));
     const double sigma_m = noise.sigma_rest_m * root_s + noise.sigma_way_m * way_m,
-                 sigma_rad = noise.sigma_rest_rad * root_s + noise.sigma_turn * std::abs(T_before_now.phi_rad) +
-                             noise.sigma_way_rad * way_m;
+                 sigma_rad = noise.sigma_rest_rad * root_s +
+                             noise.sigma_turn * std::abs(T_before_now.phi_rad) + noise.sigma_way_rad * way_m;
     Motion motion{T_before_now, Eigen::Matrix3d::Zero()};
     motion.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
     return motion;

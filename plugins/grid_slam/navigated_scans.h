@@ -40,8 +40,8 @@ class NavigatedScans {
     /// `keep_readings`: of the IMU, for those who go back.
     void start(bool keep_readings);
 
-    /// Takes an observation, and calls estimate(scan) for each scan that has waited long enough, as long as it
-    /// says to go on with the next one; the others wait for the next observation.
+    /// Takes an observation, and calls estimate(scan) for each scan that has waited long enough, as long as
+    /// it says to go on with the next one; the others wait for the next observation.
     template <class Estimate>
     void take(const StreamItem& item, const Estimate& estimate) {
         take(item);

@@ -20,9 +20,9 @@ class WheelNavigation {
         p.stamp_ns = stamp_ns;
         p.duration_s = started_ ? seconds_between(stamp_ns_, stamp_ns) : 0;
         if (started_)
-            p.motion = wheel_motion(
-                T_odom_base && T_odom_base_ ? T_odom_base_->inverse() * *T_odom_base : Pose2{}, p.duration_s,
-                noise_);
+            p.motion =
+                wheel_motion(T_odom_base && T_odom_base_ ? T_odom_base_->inverse() * *T_odom_base : Pose2{},
+                             p.duration_s, noise_);
         const Motion now = Motion{T_map_base_, covariance_} * p.motion;
         p.T_map_base = now.T_before_now;
         p.covariance = now.covariance;
