@@ -180,6 +180,13 @@ class Returns {
 
 }  // namespace
 
+double mean_range_m(const Frame& frame) {
+    double sum_m = 0;
+    for (const SurfacePoint& point : frame.points)
+        sum_m += static_cast<double>((point.p_base_m - frame.p_base_sensor_m).norm());
+    return frame.points.empty() ? 1 : sum_m / static_cast<double>(frame.points.size());
+}
+
 void make_frame(const PlanarScan& scan, const SweepMotion& motion, const FrameSettings& settings,
                 Frame& frame) {
     thread_local Returns returns;

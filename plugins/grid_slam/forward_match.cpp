@@ -7,13 +7,6 @@
 namespace loopline::grid_slam {
 namespace {
 
-double mean_range_m(const grid_map::Frame& frame) {
-    double sum = 0;
-    for (const auto& point : frame.points)
-        sum += static_cast<double>((point.p_base_m - frame.p_base_sensor_m).norm());
-    return frame.points.empty() ? 1 : sum / static_cast<double>(frame.points.size());
-}
-
 grid_map::SearchWindow window_for(const Pose2& T_map_prior, const Eigen::Matrix3d& covariance, double cell_m,
                                   const ForwardSettings& settings) {
     grid_map::SearchWindow window;
@@ -46,11 +39,11 @@ ForwardMatch match_on(const grid_map::ScanGrid& grid, const Surfaces& surfaces, 
     grid_map::ScanFit fit = grid_map::refine(surfaces, frame, found ? found->T_map_base : T_map_prior,
                                              T_map_prior, prior_information, settings.refinement);
     match.fit = fit.fit;
-    const double range_m = mean_range_m(frame);
+    const double range_m = grid_map::mean_range_m(frame);
     match.degeneracy = grid_map::degeneracy(fit, range_m, settings.sigma_degenerate_m);
     if (match.degeneracy.free_directions > 0)
         grid_map::forget_free_directions(fit, T_map_prior, range_m, settings.sigma_degenerate_m);
-    if (fit.fit < settings.min_fit) return match;
+    if (fit.fit < settings.min_fit || fit.used < settings.min_returns) return match;
     match.matched = true;
     match.T_map_base = fit.T_map_base;
     match.information = fit.information;

@@ -14,6 +14,7 @@ struct ForwardSettings {
     double max_window_rad = 40 * M_PI / 180;
     double heading_step_rad = 0.5 * M_PI / 180;
     int search_points = 60;
+    int min_returns = 20;  ///< on a surface of the map; by fewer, the motion alone counts
     /// Part of the returns on a surface, below which the motion alone counts: among furniture that was moved,
     /// a third of any scan comes to lie on some surface.
     double min_fit = 0.4;
@@ -27,6 +28,9 @@ struct ForwardMatch {
         Eigen::Matrix3d::Zero();  ///< of (x, y, phi) about the map around it, map axes
     double fit = 0;
     bool matched = false;  ///< else the motion alone counts
+    /// What the scan sees is new, and went into the map where the motion led: from here on the pose is as
+    /// right as the map around it.
+    bool begins_map = false;
     /// Of the scan alone, around T_map_base: log-likelihood = gradient' d - d' information d / 2.
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();

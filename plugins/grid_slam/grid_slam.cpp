@@ -50,7 +50,10 @@ ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction,
                                  settings_.forward);
     unmatched_ += result.match.matched ? 0 : 1;
     degenerate_ += result.match.degeneracy.free_directions > 0 ? 1 : 0;
+    const std::uint32_t frames = map_.size();
     settle_on_frame(result.match);
+    result.match.begins_map = !result.match.matched && map_.size() > frames &&
+                              static_cast<int>(frame_.points.size()) >= settings_.forward.min_returns;
     decisions_.take_scan(stamp_ns_, places_.back().frame);
     result.T_map_base = map_.poses[places_.back().frame] * places_.back().T_frame_base;
     return result;

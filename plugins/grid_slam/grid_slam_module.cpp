@@ -32,6 +32,7 @@ ModuleInfo GridSlamModule::info() const {
 }
 
 void GridSlamModule::start(const RunContext&) {
+    fit_surfaces_to_noise(settings_.frame, settings_.forward.refinement.sigma_m);
     settings_.loops.cell_m = settings_.cell_m;
     settings_.loops.refinement = settings_.forward.refinement;
     settings_.links.refinement = settings_.forward.refinement;
