@@ -39,7 +39,7 @@ struct LoopSettings {
     double rival_m = 0.5;                              ///< elsewhere: farther than this
     double max_sigma_m = 0.05;                         ///< how well the match must hold each direction
     double agree_m = 0.2, agree_rad = 2 * M_PI / 180;  ///< two matches are one loop if they differ by less
-    double agree_after_m = 1.1, agree_within_m = 6;    ///< way between them
+    double agree_after_m = 0.9, agree_within_m = 6;    ///< way between them
     double information_share = 0.2;  ///< how much of the information of its returns a loop counts with
     double cell_m = 0.05;
     grid_map::RefinementSettings refinement;
