@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "simulation/town/cubic_spline.h"
+#include "simulation/town/plan_cell.h"
 
 namespace loopline::simulation {
 namespace {
@@ -20,8 +21,7 @@ constexpr double bend_weight = 1000;      ///< of the change of that: it bends o
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 
 std::int64_t place_key(double x_m, double y_m) {
-    const auto cell = [](double at_m) { return static_cast<std::int64_t>(std::floor(at_m / meeting_m)); };
-    return (cell(x_m) << 32) ^ (cell(y_m) & 0xffffffff);
+    return cell_key(cell_of(x_m, meeting_m), cell_of(y_m, meeting_m));
 }
 
 /// Poses at one place, the second the nearest of an earlier visit.
