@@ -7,7 +7,7 @@ fail() { printf '%s\n' "$*" >&2; exit 1; }
 
 # What each use needs, and nothing else. "build" makes the program, "demo" adds the sample log, "test" GoogleTest and
 # the MRPT programs that tests compare with or load our plugins into.
-packages_build="g++ cmake ninja-build libmrpt-maps-dev zlib1g-dev libisal-dev libssl-dev libcli11-dev nlohmann-json3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libfreetype-dev fonts-dejavu-core"
+packages_build="g++ cmake ninja-build libmrpt-maps-dev libembree-dev zlib1g-dev libisal-dev libssl-dev libcli11-dev nlohmann-json3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libfreetype-dev fonts-dejavu-core"
 packages_demo="mrpt-common"
 packages_test="mrpt-common libgtest-dev mrpt-apps libmrpt-hwdrivers-dev"
 

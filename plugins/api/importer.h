@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "api/module.h"
+#include "api/pose3.h"
+#include "api/stamp.h"
 
 namespace loopline {
 
@@ -16,6 +18,8 @@ class RawlogSink {
  public:
     virtual ~RawlogSink() = default;
     virtual void write(const mrpt::serialization::CSerializable& object) = 0;
+    /// Where the vehicle really was, if the log knows it.
+    virtual void true_pose(StampNs /*stamp_ns*/, const Pose3& /*T_map_base*/) {}
     /// A sentence for the person: a damaged line that was left out, an assumption.
     virtual void warn(const std::string& sentence) = 0;
 };
@@ -24,6 +28,8 @@ class RawlogSink {
 class Importer : public Configurable {
     DEFINE_VIRTUAL_MRPT_OBJECT(Importer)
  public:
+    /// Whether an input may be a folder.
+    virtual bool takes_folders() const { return false; }
     /// Reads all `inputs`, in this order, as one log. Returns one sentence that sums up what came out. Throws
     /// std::runtime_error, with one sentence, if they can't be imported.
     virtual std::string import(const std::vector<std::string>& inputs, RawlogSink& sink) = 0;

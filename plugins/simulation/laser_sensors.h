@@ -15,6 +15,7 @@ class LaserSensor : public Sensor {
  public:
     std::string check() const override;
     bool is_scanner() const override { return true; }
+    bool sees_walls_only() const override { return true; }
     void start(const Scene& scene) override;
     StampNs next_time_ns() const override { return sample_time_ns(index_, laser_.rate_hz); }
     mrpt::obs::CObservation::Ptr next() override;

@@ -63,24 +63,30 @@ std::optional<Drive> push_along(const Waypoints& waypoints, const PushSettings& 
     if (static_cast<double>(ways_m.size()) * settings.step_s > settings.longest_s) return std::nullopt;
 
     const Hands hands(push.sigma_side_m, RandomStream(seed, "hands"));
-    Wheels wheels(vehicle, RandomStream(seed, "cart wheels"));
     Drive drive;
     double way_m = 0;
     Pose2 T_world_base = hands.T_world_base(path, 0);
     drive.motion = TrueMotion(T_world_base, step_ns);
-    WheelPair rim_m;
     for (const double step_m : ways_m) {
         way_m += step_m;
         const Pose2 T_world_next = hands.T_world_base(path, way_m);
-        const Twist2 motion = log_se2(T_world_base.inverse() * T_world_next);
-        drive.motion.append(motion);
+        drive.motion.append(log_se2(T_world_base.inverse() * T_world_next));
+        T_world_base = T_world_next;
+    }
+    roll_wheels(drive, vehicle, seed);
+    return drive;
+}
+
+void roll_wheels(Drive& drive, const VehicleSettings& vehicle, std::uint64_t seed) {
+    Wheels wheels(vehicle, RandomStream(seed, "cart wheels"));
+    drive.rim_m.clear();
+    WheelPair rim_m;
+    for (const Twist2& motion : drive.motion.twists()) {
         const WheelPair rolled_m = wheels.roll(motion);
         rim_m.left += rolled_m.left;
         rim_m.right += rolled_m.right;
         drive.rim_m.push_back(rim_m);
-        T_world_base = T_world_next;
     }
-    return drive;
 }
 
 }  // namespace loopline::simulation

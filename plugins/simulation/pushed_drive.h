@@ -10,10 +10,13 @@
 namespace loopline::simulation {
 
 /// Pushes the cart through the waypoints. It rolls where it points, so hands that let it stray beside the
-/// path turn it, too. Its wheels lose `slip_straight` of their way and `sigma_straight_m` at random. None if
-/// it takes longer than the settings allow.
+/// path turn it, too. None if it takes longer than the settings allow.
 std::optional<Drive> push_along(const Waypoints& waypoints, const PushSettings& push,
                                 const DriveSettings& settings, const VehicleSettings& vehicle,
                                 std::uint64_t seed);
+
+/// Wheels that roll where the vehicle goes: they lose `slip_straight` of their way and `sigma_straight_m` at
+/// random.
+void roll_wheels(Drive& drive, const VehicleSettings& vehicle, std::uint64_t seed);
 
 }  // namespace loopline::simulation

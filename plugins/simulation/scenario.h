@@ -12,20 +12,26 @@
 #include "simulation/office_plan.h"
 #include "simulation/pushed_drive.h"
 #include "simulation/sensor.h"
+#include "simulation/town/recorded_path.h"
 
 namespace loopline::simulation {
 
-enum class Generator { none, office, campus };
+enum class Generator { none, office, campus, town };
 enum class Driving { steered, pushed };
 
 struct Scenario {
     std::uint64_t seed = 1;
     double start_utc_s = 1.3e9;
+    double truth_hz = 0;  ///< poses of the true path besides those at scans
     std::vector<std::string> sensors{"wheels", "commands", "horizontal_laser"};
     Generator generator = Generator::none;
     FloorPlan plan;
     OfficeSettings office;
     CampusSettings campus;
+    TownSettings town;
+    TerrainSettings terrain;
+    TrafficSettings traffic;
+    RecordedPathSettings path;
     double sigma_tilt_rad = 0;  ///< slope of the floor
     std::vector<Row> waypoints;
     int laps = 1;
@@ -41,7 +47,12 @@ struct Scenario {
     Waypoints drawn_route() const;  ///< of `waypoints`
 
  private:
+    bool has_waypoints() const {
+        return generator == Generator::none || (generator == Generator::town && path.sequence.empty());
+    }
+    void check_plan(std::vector<ScenarioProblem>& problems) const;
     void check_route(std::vector<ScenarioProblem>& problems) const;
+    void check_path(std::vector<ScenarioProblem>& problems) const;
 };
 
 /// Builds the world, drives the route, and puts both into the map frame. Throws std::runtime_error if the

@@ -6,9 +6,12 @@ namespace {
 ParameterTable world_table(FloorPlan& plan, Generator& generator, double& sigma_tilt_rad) {
     return ParameterTable("world", "Walls, in metres: drawn row by row, or by a generator from the seed.")
         .choice("generator", generator,
-                {{"none", Generator::none}, {"office", Generator::office}, {"campus", Generator::campus}},
+                {{"none", Generator::none},
+                 {"office", Generator::office},
+                 {"campus", Generator::campus},
+                 {"town", Generator::town}},
                 "Draws walls, route and people by the section of its name; none: the rows here and in "
-                "[route] do.")
+                "[route] do; town: a landscape along [route] or [path], for the spinning lidar.")
         .real("height_m", plan.height_m, {0.1, 1000}, "Height of the walls, and of the ceiling.")
         .real("door_height_m", plan.door_height_m, {0.1, 1000}, "Above it, a door's wall goes on.")
         .boolean("ceiling", plan.ceiling, "Whether there is one.")
@@ -61,6 +64,66 @@ ParameterTable campus_table(CampusSettings& s) {
         .real("wall_height_m", s.height_m, {0.1, 1000}, "Height of the buildings.");
 }
 
+ParameterTable town_table(TownSettings& s) {
+    return ParameterTable(
+               "town",
+               "Generator: streets that grow along the way of the vehicle, on the ground of [terrain].")
+        .real("built", s.built, {0, 1}, "Part of the fronts along streets that is built up; 0: no houses.")
+        .real("setback_m", s.setback_m, {6, 200},
+              "From the way to the fronts on its right; to the left is one more lane.")
+        .real("setback_spread_m", s.setback_spread_m, {0, 200}, "How much farther back fronts stand at most.")
+        .real("front_m", s.front_m, {4, 100}, "Length of a house along the street, about.")
+        .integer("storeys", s.storeys, {1, 30}, "Of a house, at most.")
+        .real("side_street_m", s.side_street_m, {0, 10000},
+              "Way from one side street to the next, about; 0: none.")
+        .real("kerb_m", s.kerb_m, {0, 1}, "Height of pavements; 0: none.")
+        .real("parked_per_km", s.parked_per_km, {0, 200},
+              "Cars parked on either side; fewer where there is no room.")
+        .real("trees_per_km", s.trees_per_km, {0, 1000}, "Trees on either side.")
+        .real("bushes_per_km", s.bushes_per_km, {0, 1000}, "Bushes on either side.")
+        .real("posts_per_km", s.posts_per_km, {0, 1000}, "Lamp posts and signs on either side.")
+        .real("ground_cell_m", s.ground_cell_m, {0.25, 50},
+              "The ground is level triangles between points so far apart.")
+        .real("reach_m", s.reach_m, {10, 1000}, "There is ground so far from the way.")
+        .rows("gallery_m", s.galleries, {4, 0}, "from to width height",
+              "A tunnel with pillars over the way, from so many metres after its beginning.");
+}
+
+ParameterTable terrain_table(TerrainSettings& s) {
+    return ParameterTable("terrain", "Ground of a town along waypoints; it tilts and lifts the vehicle.")
+        .angle("sigma_slope_deg", s.sigma_slope_rad, {0, 20},
+               "Standard deviation of the slope of hills in any direction; they are 80 to 400 m long.")
+        .angle("sigma_rough_deg", s.sigma_rough_rad, {0, 10}, "The same of waves that are 4 to 30 m long.")
+        .rows("ramp_m", s.ramps, {5, 0}, "x1 y1 x2 y2 rise",
+              "Ground that rises from its first point to its second, the same across.");
+}
+
+ParameterTable traffic_table(TrafficSettings& s) {
+    return ParameterTable("traffic", "Cars that move in a town.")
+        .real("oncoming_s", s.oncoming_s, {0, 10000},
+              "Time from one on the other lane to the next, about; 0: none.")
+        .real("oncoming_mps", s.oncoming_mps, {0.5, 60}, "Their speed, about.")
+        .real("ahead", s.ahead, {0, 1}, "Part of the time that a car drives ahead of the vehicle.");
+}
+
+ParameterTable path_table(RecordedPathSettings& s) {
+    return ParameterTable(
+               "path",
+               "A recorded path for a town to grow along, in place of [route]: poses of KITTI's odometry "
+               "benchmark. The vehicle's origin is the camera, on axes that look ahead, left and up.")
+        .text("sequence", s.sequence, "Which: 00 is 00.txt in the folder; empty: there is none.")
+        .path("folder", s.folder, "Folder of the files.")
+        .real("rate_hz", s.rate_hz, {0.1, 1000}, "Poses a second.")
+        .real("camera_height_m", s.camera_height_m, {0.1, 10}, "Of the poses above the street.")
+        .boolean(
+            "level_revisits", s.level_revisits,
+            "Whether heights are changed, slowly along the way, until they agree wherever it comes back to a "
+            "place; in some sequences they differ by metres.")
+        .integer("first", s.first, {0, 1000000},
+                 "Number of the first pose that is driven; it becomes the map's frame.")
+        .integer("poses", s.poses, {0, 1000000}, "How many are driven; 0: all that follow.");
+}
+
 ParameterTable route_table(std::vector<Row>& waypoints, int& laps, Driving& driving, DriverSettings& s) {
     return ParameterTable("route", "Where the vehicle drives, and how well it keeps to that.")
         .choice("drive", driving, {{"steered", Driving::steered}, {"pushed", Driving::pushed}},
@@ -82,7 +145,7 @@ ParameterTable cart_table(PushSettings& s) {
                "acceleration and turn rate have no jumps.")
         .real("corner_radius_m", s.corner_radius_m, {0.1, 100},
               "Radius of a bend where it is tightest; less where legs are too short for that.")
-        .real("speed_mps", s.speed_mps, {0.05, 10}, "Speed where nothing slows it down.")
+        .real("speed_mps", s.speed_mps, {0.05, 40}, "Speed where nothing slows it down.")
         .real("sigma_speed", s.sigma_speed, {0, 0.3},
               "Standard deviation of the speed along the way, as a part of it.")
         .real("speed_up_s", s.speed_up_s, {0.2, 60}, "Time from standstill to full speed, and back.")
@@ -129,14 +192,24 @@ ParameterTable Scenario::simulation_table() {
         .list("sensors", sensors, "Sensors of the vehicle, each with the section of its name.")
         .real("start_s", start_utc_s, {0, 4e9},
               "Time of the first observations, in seconds since 1970 (UTC).")
+        .real("truth_hz", truth_hz, {0, 1000},
+              "The true path has so many more poses a second, besides those at scans; 0: none.")
         .real("step_s", drive.step_s, {1e-4, 0.1}, "Step of the vehicle's motion.")
         .real("control_s", drive.control_s, {1e-3, 10}, "Time from one command to the next.")
         .real("longest_s", drive.longest_s, Range::positive(), "A drive that takes longer does not arrive.");
 }
 
 std::vector<ParameterTable> Scenario::tables() {
-    return {simulation_table(),    world_table(plan, generator, sigma_tilt_rad),  office_table(office),
-            campus_table(campus),  route_table(waypoints, laps, driving, driver), cart_table(push),
+    return {simulation_table(),
+            world_table(plan, generator, sigma_tilt_rad),
+            office_table(office),
+            campus_table(campus),
+            town_table(town),
+            terrain_table(terrain),
+            traffic_table(traffic),
+            path_table(path),
+            route_table(waypoints, laps, driving, driver),
+            cart_table(push),
             vehicle_table(vehicle)};
 }
 

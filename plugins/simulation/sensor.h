@@ -12,6 +12,7 @@
 #include "api/simulator.h"
 #include "simulation/drive.h"
 #include "simulation/ray_caster.h"
+#include "simulation/town/landscape.h"
 #include "simulation/walkers.h"
 
 namespace loopline::simulation {
@@ -24,7 +25,8 @@ struct Scene {
     VehicleSettings vehicle;
     StampNs start_ns = 0;  ///< UTC
     std::uint64_t seed = 0;
-    std::unique_ptr<RayCaster> caster;
+    std::unique_ptr<RayCaster> caster;     ///< of the world's walls
+    std::unique_ptr<Landscape> landscape;  ///< null: there are only the world's walls, on level ground
 
     StampNs duration_ns() const { return drive.motion.duration_ns(); }
     std::vector<Cylinder> cylinders_at(StampNs time_ns) const {
@@ -42,6 +44,10 @@ class Sensor {
     virtual std::string check() const { return {}; }
     /// Whether the true path has a pose for each of its observations.
     virtual bool is_scanner() const { return false; }
+    /// Whether what it sees is the scene's world of walls, whatever else there is.
+    virtual bool sees_walls_only() const { return false; }
+    /// Whether an observation takes so long to make that each is worth a word of progress.
+    virtual bool is_slow() const { return false; }
 
     /// `scene` outlives the sensor's work.
     virtual void start(const Scene& scene) = 0;

@@ -4,6 +4,7 @@
 
 #include "simulation/imu_sensor.h"
 #include "simulation/laser_sensors.h"
+#include "simulation/spinning_lidar_sensor.h"
 #include "simulation/wheel_sensors.h"
 
 namespace loopline {
@@ -20,6 +21,7 @@ std::vector<std::shared_ptr<Sensor>> all_sensors() {
     sensors.push_back(std::make_shared<ImuSensor>());
     sensors.push_back(std::make_shared<HorizontalLaser>());
     sensors.push_back(std::make_shared<SurveyLaser>());
+    sensors.push_back(std::make_shared<SpinningLidarSensor>());
     return sensors;
 }
 
@@ -40,6 +42,30 @@ void write_world(const World& world, SimulationSink& sink) {
     if (std::isfinite(world.ceiling_m)) sink.truth({"level", 2, {world.ceiling_m}});
 }
 
+/// Writes poses at scans, and between them at a rate of its own, in the order of time.
+class TruePath {
+ public:
+    TruePath(const Scene& scene, double rate_hz, SimulationSink& sink)
+        : scene_(scene), rate_hz_(rate_hz), sink_(sink) {}
+
+    void write_at(StampNs time_ns) {
+        if (time_ns == last_ns_) return;
+        sink_.true_pose(scene_.start_ns + time_ns, scene_.drive.motion.pose_at(time_ns));
+        last_ns_ = time_ns;
+    }
+    void write_until(StampNs end_ns) {
+        for (; rate_hz_ > 0 && sample_time_ns(index_, rate_hz_) < end_ns; ++index_)
+            write_at(std::max(sample_time_ns(index_, rate_hz_), last_ns_));
+    }
+
+ private:
+    const Scene& scene_;
+    double rate_hz_;
+    SimulationSink& sink_;
+    std::int64_t index_ = 0;  ///< of the next pose between scans
+    StampNs last_ns_ = -1;
+};
+
 }  // namespace
 
 WorldSimulator::WorldSimulator() : sensors_(all_sensors()) {}
@@ -49,7 +75,8 @@ ModuleInfo WorldSimulator::info() const {
             "Makes a log and its truth from a scenario.",
             {},
             {},
-            {"CObservationOdometry", "CObservationComment", "CObservationIMU", "CObservation2DRangeScan"}};
+            {"CObservationOdometry", "CObservationComment", "CObservationIMU", "CObservation2DRangeScan",
+             "CObservationRotatingScan"}};
 }
 
 ParameterTable WorldSimulator::parameters() {
@@ -76,6 +103,10 @@ std::vector<ScenarioProblem> WorldSimulator::check_scenario() {
         if (std::find(known.begin(), known.end(), name) == known.end())
             problems.push_back(
                 {"simulation", "sensors", 0, "names \"" + name + "\", which is none; there are " + listed});
+    for (const auto& sensor : sensors_in_use())
+        if (scenario_.generator == Generator::town && sensor->sees_walls_only())
+            problems.push_back({"simulation", "sensors", 0,
+                                "names " + sensor->name() + ", which sees walls and nothing of a town"});
     if (scenario_.sensors.empty())
         problems.push_back({"simulation", "sensors", 0, "names none; there are " + listed});
     return problems;
@@ -92,20 +123,21 @@ std::vector<Sensor*> WorldSimulator::sensors_in_use() {
 
 void WorldSimulator::simulate(SimulationSink& sink) {
     const auto scene = make_scene(scenario_);
-    write_world(scene->world, sink);
+    if (!scene->landscape) write_world(scene->world, sink);
     const auto sensors = sensors_in_use();
     for (Sensor* sensor : sensors) sensor->start(*scene);
     const double total_s = seconds_between(0, scene->duration_ns());
+    TruePath path(*scene, scenario_.truth_hz, sink);
     for (std::uint64_t made = 0;; ++made) {
         Sensor* const next = *std::min_element(
             sensors.begin(), sensors.end(),
             [](const Sensor* a, const Sensor* b) { return a->next_time_ns() < b->next_time_ns(); });
         const StampNs time_ns = next->next_time_ns();
         if (time_ns > scene->duration_ns()) break;
-        if (next->is_scanner())
-            sink.true_pose(scene->start_ns + time_ns, scene->drive.motion.pose_at(time_ns));
+        path.write_until(time_ns);
+        if (next->is_scanner()) path.write_at(time_ns);
         sink.observation(*next->next());
-        if (made % 1000 == 0) sink.progress(seconds_between(0, time_ns), total_s);
+        if (made % 1000 == 0 || next->is_slow()) sink.progress(seconds_between(0, time_ns), total_s);
     }
     sink.note("The drive takes " + number_text(std::round(total_s * 10) / 10) + " s.");
     for (const Sensor* sensor : sensors)

@@ -2,13 +2,14 @@
 /// nanosecond.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "api/pose2.h"
 #include "api/pose3.h"
 #include "api/stamp.h"
 #include "odometry/twist2.h"
-#include "simulation/uneven_floor.h"
+#include "simulation/ground.h"
 
 namespace loopline::simulation {
 
@@ -24,8 +25,15 @@ class TrueMotion {
         poses_.push_back(poses_.back() * exp_se2(twist));
     }
 
+    /// The vehicle moves to a pose within the next step, by a constant twist.
+    void append_pose(const Pose2& T_map_base) {
+        twists_.push_back(log_se2(poses_.back().inverse() * T_map_base));
+        poses_.push_back(T_map_base);
+    }
+
     StampNs step_ns() const { return step_ns_; }
     StampNs duration_ns() const { return static_cast<StampNs>(twists_.size()) * step_ns_; }
+    const std::vector<Twist2>& twists() const { return twists_; }
     const Pose2& last() const { return poses_.back(); }
 
     /// Before the start and after the end the vehicle stands still.
@@ -41,11 +49,14 @@ class TrueMotion {
         return floor_.empty() ? Pose3(planar) : on_floor(planar, floor_at(time_ns));
     }
 
-    /// From now on poses are those of a vehicle on this floor, whose frame is the map; the planar path stays.
-    void put_on(const UnevenFloor& floor) {
+    /// From now on poses are those of a vehicle on this ground, whose frame is the map; the planar path
+    /// stays.
+    void put_on(const Ground& ground) {
         floor_.clear();
-        for (const Pose2& pose : poses_) floor_.push_back(floor.below(pose));
+        for (const Pose2& pose : poses_) floor_.push_back(ground.below(pose));
     }
+    /// Height, pitch and roll at the start of each step, and at the end of the last.
+    void lift(std::vector<FloorAttitude> attitudes) { floor_ = std::move(attitudes); }
 
  private:
     FloorAttitude floor_at(StampNs time_ns) const {

@@ -1,33 +1,29 @@
-/// A floor that is not quite level: a random field of heights, the same wherever a vehicle comes back to.
+/// A floor that is not quite level: a random field of heights.
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
-#include "api/pose2.h"
-#include "api/pose3.h"
+#include "simulation/ground.h"
 
 namespace loopline::simulation {
 
-/// What the floor adds to a planar pose: MRPT's angles, so pitch is positive where the nose is down.
-struct FloorAttitude {
-    double z_m = 0;
-    double pitch_rad = 0;
-    double roll_rad = 0;
+/// Lengths of the waves of an UnevenFloor.
+struct WaveBand {
+    double shortest_m = 1.5, longest_m = 12;  ///< under a cart: shorter than its wheelbase, or a ramp, beyond
 };
 
-/// The planar pose on the floor: Rz(phi) Ry(pitch) Rx(roll).
-Pose3 on_floor(const Pose2& planar, const FloorAttitude& floor);
-
 /// h(p) = sum of a_k (sin(k . p + phase) - sin(phase)): height 0 at the origin of its frame.
-class UnevenFloor {
+class UnevenFloor : public Ground {
  public:
-    /// `sigma_tilt_rad`: standard deviation of the slope in any one direction.
-    UnevenFloor(double sigma_tilt_rad, std::uint64_t seed);
+    /// `sigma_tilt_rad`: standard deviation of the slope in any one direction. Floors of one seed with
+    /// different purposes are independent.
+    UnevenFloor(double sigma_tilt_rad, std::uint64_t seed, WaveBand band = {},
+                std::string_view purpose = "floor");
 
-    double height_m(const Eigen::Vector2d& place_m) const;
-    /// Of a vehicle that stands tangent to the floor.
-    FloorAttitude below(const Pose2& T_floor_base) const;
+    double height_m(const Eigen::Vector2d& place_m) const override;
+    Eigen::Vector2d slope(const Eigen::Vector2d& place_m) const override;
 
  private:
     struct Wave {

@@ -7,10 +7,12 @@
 #include <filesystem>
 #include <iostream>
 
+#include "api/trajectory.h"
 #include "config/did_you_mean.h"
 #include "config/ini_text.h"
 #include "config/plugin_loader.h"
 #include "output/rawlog_file.h"
+#include "output/tum.h"
 
 namespace loopline {
 namespace {
@@ -28,16 +30,23 @@ class ImportSink : public RawlogSink {
  public:
     explicit ImportSink(RawlogFile& rawlog) : rawlog_(rawlog) {}
     void write(const mrpt::serialization::CSerializable& object) override { rawlog_.write(object); }
+    void true_pose(StampNs stamp_ns, const Pose3& T_map_base) override {
+        truth_.append(truth_.size(), stamp_ns, T_map_base, Matrix6d::Zero());
+    }
     void warn(const std::string& sentence) override { std::cerr << "loopline: " << sentence << '\n'; }
+    const Trajectory& truth() const { return truth_; }
 
  private:
     RawlogFile& rawlog_;
+    Trajectory truth_;
 };
 
 class ImportCommand : public Command {
  public:
     std::string name() const override { return "import"; }
-    std::string sentence() const override { return "Turns logs of other programs into rawlogs: carmen"; }
+    std::string sentence() const override {
+        return "Turns logs of other programs into rawlogs: carmen, kitti";
+    }
 
     void declare(CLI::App& app) override {
         app.require_subcommand(0, 1);
@@ -51,8 +60,10 @@ class ImportCommand : public Command {
         if (!chosen_) refuse_format(app_->remaining());
         for (const auto& input : inputs_) {
             std::error_code ignored;
-            if (!fs::is_regular_file(input, ignored))
-                throw CommandError(exit_input_data, "can't read " + input + ": there is no such file");
+            if (!fs::is_regular_file(input, ignored) &&
+                !(chosen_->takes_folders() && fs::is_directory(input, ignored)))
+                throw CommandError(exit_input_data, "can't read " + input + ": there is no such file" +
+                                                        (chosen_->takes_folders() ? " or folder" : ""));
             if (fs::equivalent(input, out_, ignored))
                 throw CommandError(exit_configuration,
                                    "--out " + out_ + " is one of the inputs; give another file");
@@ -63,6 +74,8 @@ class ImportCommand : public Command {
         ImportSink sink(rawlog);
         try {
             const std::string summary = chosen_->import(inputs_, sink);
+            if (sink.truth().size() > 0)
+                write_tum(fs::path(out_).replace_extension(".truth.tum"), sink.truth(), Estimate::latest);
             rawlog.commit();
             std::cout << out_ << ": " << summary << '\n';
         } catch (const CommandError&) {

@@ -1,0 +1,168 @@
+#include "lidar/observation_scan.h"
+
+#include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+#include <mrpt/obs/CObservationVelodyneScan.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "api/mrpt_pose.h"
+#include "api/observation_class.h"
+#include "lidar/beam_table.h"
+
+namespace loopline::lidar {
+namespace {
+
+constexpr float least_level_m = 0.05f;  ///< what is nearer to the axis is the lidar itself
+
+// MRPT's class has no virtual destructor; nothing here is destroyed through it.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wnon-virtual-dtor"
+/// Points of Velodyne's packets, laser by laser.
+class PointsOfLasers final : public mrpt::obs::CObservationVelodyneScan::PointCloudStorageWrapper {
+ public:
+    PointsOfLasers(std::size_t lasers, mrpt::system::TTimeStamp stamp) : lasers_(lasers), stamp_(stamp) {}
+
+    void add_point(float x_m, float y_m, float z_m, std::uint8_t, const mrpt::system::TTimeStamp& time,
+                   const float, std::uint16_t laser) override {
+        if (laser >= lasers_.size()) return;
+        const std::chrono::duration<float> after = time - stamp_;
+        lasers_[laser].push_back({x_m, y_m, z_m, after.count()});
+    }
+    const std::vector<SpinningPoint>& of_laser(int laser) const {
+        return lasers_[static_cast<std::size_t>(laser)];
+    }
+
+ private:
+    std::vector<std::vector<SpinningPoint>> lasers_;
+    mrpt::system::TTimeStamp stamp_;
+};
+#pragma GCC diagnostic pop
+
+/// MRPT 2.5 makes an image of Velodyne's packets with a column for each beam of each firing, and fills one a
+/// firing, in the front; and it keeps Velodyne's azimuths, which count clockwise.
+bool made_of_packets(const mrpt::obs::CObservationRotatingScan& image) {
+    const auto rows = image.rangeImage.rows(), columns = image.rangeImage.cols();
+    if (columns % rows != 0 || columns / rows < 2) return false;
+    for (auto row = 0 * rows; row < rows; ++row)
+        for (auto k = columns / rows; k < columns; ++k)
+            if (image.rangeImage(row, k) != 0) return false;
+    return true;
+}
+
+}  // namespace
+
+std::shared_ptr<mrpt::obs::CObservationRotatingScan> rotating_scan(const RangeImageGeometry& geometry,
+                                                                   const std::string& model,
+                                                                   const std::vector<std::uint16_t>& ranges) {
+    auto image = mrpt::obs::CObservationRotatingScan::Create();
+    const std::size_t rows = geometry.elevations_deg.size();
+    image->rowCount = static_cast<std::uint16_t>(rows);
+    image->columnCount = static_cast<std::uint16_t>(geometry.columns);
+    image->rangeImage.resize(rows, geometry.columns);
+    std::copy(ranges.begin(), ranges.end(), &image->rangeImage(0, 0));
+    image->rangeResolution = geometry.range_unit_m;
+    image->startAzimuth = geometry.first_azimuth_rad;
+    image->azimuthSpan = geometry.azimuth_span_rad;
+    image->sweepDuration = geometry.sweep_s;
+    image->lidarModel = text_of({model, geometry.elevations_deg});
+    return image;
+}
+
+bool SpinningScanReader::read(const mrpt::obs::CObservation& observation, SpinningScan& scan) {
+    scan.clear();
+    const auto stamp_ns = stamp_from_mrpt(observation.timestamp);
+    if (!stamp_ns) return false;
+    bool known = false;
+    if (const auto* image = as<mrpt::obs::CObservationRotatingScan>(&observation))
+        known = read_image(*image, scan);
+    else if (const auto* packets = as<mrpt::obs::CObservationVelodyneScan>(&observation))
+        known = read_packets(*packets, scan);
+    else if (const auto* cloud = as<mrpt::obs::CObservationPointCloud>(&observation))
+        known = read_points(*cloud, scan);
+    if (!known || scan.points.empty()) {
+        scan.clear();
+        return false;
+    }
+    mrpt::poses::CPose3D sensor_pose;
+    observation.getSensorPose(sensor_pose);
+    scan.T_base_lidar = pose3_from_mrpt(sensor_pose);
+    scan.label = observation.sensorLabel;
+    scan.stamp_ns = *stamp_ns;
+    return true;
+}
+
+bool SpinningScanReader::read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan) {
+    if (image.lidarModel != model_) {
+        const auto table = table_from_text(image.lidarModel);
+        geometry_.elevations_deg = table ? table->elevations_deg : std::vector<double>{};
+        model_ = image.lidarModel;
+    }
+    const auto rows = image.rangeImage.rows(), columns = image.rangeImage.cols();
+    const double numbers[] = {image.startAzimuth, image.azimuthSpan, image.sweepDuration,
+                              image.rangeResolution};
+    for (const double number : numbers)
+        if (!std::isfinite(number)) return false;
+    if (rows == 0 || columns == 0 || geometry_.elevations_deg.size() != static_cast<std::size_t>(rows))
+        return false;
+    geometry_.columns = static_cast<int>(columns);
+    geometry_.first_azimuth_rad = image.startAzimuth;
+    geometry_.azimuth_span_rad = image.azimuthSpan;
+    geometry_.sweep_s = image.sweepDuration;
+    geometry_.range_unit_m = image.rangeResolution;
+    if (made_of_packets(image)) {
+        geometry_.columns /= static_cast<int>(rows);
+        geometry_.first_azimuth_rad *= -1;
+        geometry_.azimuth_span_rad *= -1;
+    }
+    images_.read(geometry_, &image.rangeImage(0, 0), static_cast<std::size_t>(columns), scan);
+    return true;
+}
+
+bool SpinningScanReader::read_packets(const mrpt::obs::CObservationVelodyneScan& packets,
+                                      SpinningScan& scan) {
+    std::vector<double> elevations_deg;
+    for (const auto& laser : packets.calibration.laser_corrections)
+        elevations_deg.push_back(laser.verticalCorrection);
+    if (elevations_deg.empty() || packets.scan_packets.empty()) return false;
+    PointsOfLasers points(elevations_deg.size(), packets.timestamp);
+    // MRPT's function is not const, though it leaves the packets alone: it may also fill the object's own
+    // cloud.
+    mrpt::obs::CObservationVelodyneScan copy;
+    copy.timestamp = packets.timestamp;
+    copy.minRange = packets.minRange;
+    copy.maxRange = packets.maxRange;
+    copy.calibration = packets.calibration;
+    copy.scan_packets = packets.scan_packets;
+    copy.generatePointCloud(points);
+    scan.begin_s = scan.end_s = 0;
+    for (const int laser : from_high_to_low(elevations_deg)) {
+        scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
+        const auto& ring = points.of_laser(laser);
+        scan.points.insert(scan.points.end(), ring.begin(), ring.end());
+        if (!ring.empty()) scan.end_s = std::max(scan.end_s, static_cast<double>(ring.back().time_s));
+    }
+    scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
+    return true;
+}
+
+bool SpinningScanReader::read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan) {
+    cloud.load();
+    if (!cloud.pointcloud) return false;
+    const auto& x_m = cloud.pointcloud->getPointsBufferRef_x();
+    const auto& y_m = cloud.pointcloud->getPointsBufferRef_y();
+    const auto& z_m = cloud.pointcloud->getPointsBufferRef_z();
+    points_m_.clear();
+    for (std::size_t i = 0; i < x_m.size(); ++i) {
+        // KITTI's files end with a point at the origin, which is none.
+        const float level_m2 = x_m[i] * x_m[i] + y_m[i] * y_m[i];
+        if (level_m2 > least_level_m * least_level_m && std::isfinite(level_m2) && std::isfinite(z_m[i]))
+            points_m_.emplace_back(x_m[i], y_m[i], z_m[i]);
+    }
+    clouds_.read(points_m_, cloud_sweep_, scan);
+    return true;
+}
+
+}  // namespace loopline::lidar

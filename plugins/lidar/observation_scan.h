@@ -1,0 +1,55 @@
+/// Scans of a spinning lidar out of a log's observations.
+#pragma once
+
+#include <mrpt/obs/CObservation.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lidar/cloud_rings.h"
+#include "lidar/range_image.h"
+#include "lidar/spinning_scan.h"
+
+namespace mrpt::obs {
+class CObservationPointCloud;
+class CObservationRotatingScan;
+class CObservationVelodyneScan;
+}  // namespace mrpt::obs
+
+namespace loopline::lidar {
+
+/// A range image as MRPT's class for it; `ranges` row by row, 0 where nothing came back. The stamp is the
+/// first column's.
+std::shared_ptr<mrpt::obs::CObservationRotatingScan> rotating_scan(const RangeImageGeometry& geometry,
+                                                                   const std::string& model,
+                                                                   const std::vector<std::uint16_t>& ranges);
+
+/// Keeps tables and memory from scan to scan; one for each sensor.
+///
+/// CObservationRotatingScan: rings by the elevations in its `lidarModel` (beam_table.h), times by column.
+/// CObservationVelodyneScan: rings by the calibration in it, times of its packets.
+/// CObservationPointCloud: rings by the order of its points, or by their elevations; times by azimuth, as
+/// `cloud_sweep` says.
+class SpinningScanReader {
+ public:
+    explicit SpinningScanReader(const SweepConvention& cloud_sweep = {}) : cloud_sweep_(cloud_sweep) {}
+
+    /// False, and nothing in `scan`, if that is no scan of such a lidar: another class, a stamp that is
+    /// missing, a model whose elevations nobody knows, numbers that are none, or not a single return.
+    bool read(const mrpt::obs::CObservation& observation, SpinningScan& scan);
+
+ private:
+    bool read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan);
+    bool read_packets(const mrpt::obs::CObservationVelodyneScan& packets, SpinningScan& scan);
+    bool read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan);
+
+    SweepConvention cloud_sweep_;
+    RangeImageReader images_;
+    RangeImageGeometry geometry_;
+    std::string model_;  ///< whose elevations are in `geometry_`
+    CloudReader clouds_;
+    std::vector<Eigen::Vector3f> points_m_;
+};
+
+}  // namespace loopline::lidar

@@ -1,0 +1,173 @@
+/// loopline simulate with a spinning lidar as a user runs it.
+#include <gtest/gtest.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+
+#include "lidar/observation_scan.h"
+#include "output/tum.h"
+#include "pipeline/log_source.h"
+#include "simulation/town/recorded_path.h"
+#include "support/run_program.h"
+#include "support/shared_data.h"
+#include "support/simulated_scene.h"
+
+using namespace loopline;
+using namespace loopline::test;
+
+namespace {
+
+const char* const short_street = R"([simulation]
+seed = 3
+sensors = wheels imu spinning_lidar
+[world]
+generator = town
+[route]
+drive = pushed
+waypoint_m = 0 0
+waypoint_m = 12 0
+[cart]
+speed_mps = 8
+standstill_s = 1
+end_standstill_s = 1
+[terrain]
+sigma_slope_deg = 2
+[spinning_lidar]
+beams = 16
+columns = 450
+)";
+
+class SimulateTown : public ::testing::Test {
+ protected:
+    ProgramResult simulate(const std::string& ini, const std::string& out,
+                           const std::vector<std::string>& set = {}) {
+        std::vector<std::string> words{"simulate", ini, "--out", (folder / out).string()};
+        for (const auto& assignment : set) words.insert(words.end(), {"--set", assignment});
+        return run_loopline(words);
+    }
+    TemporaryFolder folder;
+};
+
+std::vector<lidar::SpinningScan> sweeps_of(const std::string& rawlog) {
+    std::vector<lidar::SpinningScan> scans;
+    lidar::SpinningScanReader reader;
+    lidar::SpinningScan scan;
+    LogSource source({rawlog});
+    for (StreamItem item; source.next(item);)
+        if (reader.read(*item.observation, scan)) scans.push_back(scan);
+    return scans;
+}
+
+}  // namespace
+
+TEST_F(SimulateTown, scans_have_their_truth_and_a_seed_its_bytes) {
+    const std::string scenario = folder.write("street.ini", short_street);
+    const auto result = simulate(scenario, "a.rawlog");
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto scans = sweeps_of((folder / "a.rawlog").string());
+    const auto path = read_tum(folder / "a.truth.tum");
+    ASSERT_EQ(scans.size(), path.size());
+    ASSERT_GT(scans.size(), 40u);
+    double most_tilt_rad = 0;
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+        EXPECT_EQ(scans[i].stamp_ns, path[i].stamp_ns);
+        EXPECT_EQ(scans[i].rings(), 16u);
+        EXPECT_GT(scans[i].points.size(), 3000u);
+        most_tilt_rad =
+            std::max(most_tilt_rad, std::acos((path[i].T_map_base.rotation * Eigen::Vector3d::UnitZ()).z()));
+    }
+    EXPECT_GT(most_tilt_rad, 0.002) << "the ground is not level";
+    ASSERT_EQ(simulate(scenario, "b.rawlog").exit_code, 0);
+    ASSERT_EQ(simulate(scenario, "c.rawlog", {"simulation.seed=4"}).exit_code, 0);
+    EXPECT_EQ(file_text(folder / "a.rawlog"), file_text(folder / "b.rawlog"));
+    EXPECT_NE(file_text(folder / "a.rawlog"), file_text(folder / "c.rawlog"));
+}
+
+TEST_F(SimulateTown, what_cannot_be_is_said) {
+    const std::string scenario = folder.write("street.ini", short_street);
+    auto result = simulate(scenario, "a.rawlog", {"spinning_lidar.beams=40"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("beams is none of 16, 32 and 64"), std::string::npos) << result.err;
+    result = simulate(scenario, "a.rawlog", {"simulation.sensors=horizontal_laser"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("sees walls and nothing of a town"), std::string::npos) << result.err;
+    result = simulate(scenario, "a.rawlog", {"route.drive=steered"});
+    EXPECT_EQ(result.exit_code, 2);
+    result = simulate(scenario, "a.rawlog", {"path.sequence=99", "path.folder=" + folder.path().string()});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("remove waypoint_m"), std::string::npos) << result.err;
+    result = simulate(dataset("along_kitti.ini"), "a.rawlog",
+                      {"path.sequence=99", "path.folder=" + folder.path().string()});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("99.txt"), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.rawlog"));
+}
+
+TEST_F(SimulateTown, a_plan_of_walls_is_seen_too) {
+    const std::string scenario = folder.write("room.ini", R"([simulation]
+sensors = spinning_lidar
+[world]
+wall_m = -5 -4  8 -4  8 4  -5 4  -5 -4
+[route]
+waypoint_m = 0 0
+waypoint_m = 0.5 0
+[vehicle]
+straight_mps = 0.5
+[spinning_lidar]
+beams = 16
+columns = 90
+z_m = 1
+)");
+    const auto result = simulate(scenario, "a.rawlog");
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto scans = sweeps_of((folder / "a.rawlog").string());
+    ASSERT_GT(scans.size(), 5u);
+    for (const auto& p : scans[0].points) {
+        const Eigen::Vector3d q = Eigen::Vector3d(p.x_m, p.y_m, p.z_m + 1);
+        ASSERT_TRUE(q.x() > -5.2 && q.x() < 8.2 && std::abs(q.y()) < 4.2 && q.z() > -0.2 && q.z() < 3);
+    }
+}
+
+TEST_F(SimulateTown, the_way_along_kitti_is_kittis) {
+    NEEDS_SHARED_DATA("kitti_odometry_gt_poses/07.txt");
+    const std::string file = (shared_data() / "kitti_odometry_gt_poses/07.txt").string();
+    const auto poses = simulation::read_kitti_poses(file);
+    const std::vector<std::string> set{"path.folder=" + (shared_data() / "kitti_odometry_gt_poses").string(),
+                                       "spinning_lidar.columns=60", "town.ground_cell_m=8",
+                                       "town.reach_m=60"};
+    ASSERT_EQ(simulate(dataset("along_kitti.ini"), "a.rawlog", set).exit_code, 0);
+    auto exact = set;
+    exact.insert(exact.end(), {"path.level_revisits=false", "path.poses=200"});
+    ASSERT_EQ(simulate(dataset("along_kitti.ini"), "b.rawlog", exact).exit_code, 0);
+    const auto levelled = read_tum(folder / "a.truth.tum"), untouched = read_tum(folder / "b.truth.tum");
+    ASSERT_EQ(levelled.size(), poses.size());
+    ASSERT_EQ(untouched.size(), 200u);
+    EXPECT_EQ(sweeps_of((folder / "a.rawlog").string()).size(), poses.size());
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        const Eigen::Vector3d off_m = levelled[i].T_map_base.translation_m - poses[i].translation_m;
+        ASSERT_NEAR(off_m.head<2>().norm(), 0, 1e-6);
+        ASSERT_LT(std::abs(off_m.z()), 0.3);
+        ASSERT_LT(levelled[i].T_map_base.rotation.angularDistance(poses[i].rotation), 1e-6);
+        if (i >= untouched.size()) continue;
+        ASSERT_NEAR((untouched[i].T_map_base.translation_m - poses[i].translation_m).norm(), 0, 1e-6);
+    }
+}
+
+TEST_F(SimulateTown, the_ground_passes_below_kittis_camera) {
+    NEEDS_SHARED_DATA("kitti_odometry_gt_poses/02.txt");
+    for (const char* sequence : {"02", "07"}) {
+        const auto scene =
+            scene_of(dataset("along_kitti.ini"),
+                     {"path.folder=" + (shared_data() / "kitti_odometry_gt_poses").string(),
+                      std::string("path.sequence=") + sequence, "town.built=0", "town.trees_per_km=0",
+                      "town.ground_cell_m=50", "traffic.oncoming_s=0", "traffic.ahead=0"});
+        double squares_m2 = 0, most_m = 0, count = 0;
+        for (StampNs time_ns = 0; time_ns <= scene->duration_ns(); time_ns += 500'000'000) {
+            const Eigen::Vector3d camera_m = scene->drive.motion.pose_at(time_ns).translation_m;
+            const double off_m = camera_m.z() - scene->landscape->ground->height_m(camera_m.head<2>()) - 1.65;
+            squares_m2 += off_m * off_m;
+            most_m = std::max(most_m, std::abs(off_m));
+            ++count;
+        }
+        EXPECT_LT(std::sqrt(squares_m2 / count), 0.04) << sequence;
+        EXPECT_LT(most_m, 0.25) << sequence;
+    }
+}
