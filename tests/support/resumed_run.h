@@ -66,10 +66,11 @@ class BrokenRuns {
         for (const auto& name : names(whole)) {
             const std::string a = file_bytes(path(out) + "/" + name),
                               b = file_bytes(path(whole) + "/" + name);
-            if (name == "metrics.json")
+            if (name == "metrics.json") {
                 EXPECT_EQ(lasting(a), lasting(b));
-            else if (name.rfind("states/", 0) != 0)
+            } else if (name.rfind("states/", 0) != 0) {
                 EXPECT_TRUE(a == b) << name;
+            }
         }
     }
 

@@ -31,7 +31,7 @@ TEST(ResumedRuns, of_one_that_maps_on_a_grid_and_closes_its_loops_either_way) {
 TEST(ResumedRuns, of_a_cart_that_navigates_by_its_imu_and_closes_its_loops_either_way) {
     const std::string grid =
         "checkpoint_items = 100\nmodules = odometry grid_slam\n[odometry]\nscans = horizontal_laser\n"
-        "[grid_slam]\n";
+        "[grid_slam]\nactive_sigma_m = 0.03\n";
     for (const std::string how :
          {"navigation = imu+wheel\nweights = joint\n", "navigation = imu\nweights = covariance\n"}) {
         SCOPED_TRACE(how);
