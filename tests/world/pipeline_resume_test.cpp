@@ -13,13 +13,17 @@ const char* const simul_log =
 
 }  // namespace
 
+TEST(ResumedRuns, wherever_they_were_broken_off) {
+    expect_same_after_breaks("checkpoint_items = 25\n" + chain);
+}
+
 TEST(ResumedRuns, where_a_step_of_the_filter_takes_seven_scans) {
-    expect_same_after_breaks("checkpoint_items = 4\n" + chain + "[line_slam]\ninterval_scans = 7\n");
+    expect_same_after_breaks("checkpoint_items = 10\n" + chain + "[line_slam]\ninterval_scans = 7\n");
 }
 
 TEST(ResumedRuns, of_one_that_maps_on_a_grid_and_closes_its_loops_either_way) {
     const std::string grid =
-        "checkpoint_items = 16\nmodules = odometry grid_slam\nmaps = grid\n[grid_slam]\n";
+        "checkpoint_items = 40\nmodules = odometry grid_slam\nmaps = grid\n[grid_slam]\n";
     expect_same_after_breaks(grid + "weights = joint\n");
     const BrokenRuns runs(telecom_log, grid + "weights = covariance\n");
     ASSERT_EQ(runs.run("whole", false), 0);
@@ -73,7 +77,7 @@ TEST(ResumedRuns, of_one_that_is_localised_in_a_finished_map) {
                       pgm = file_bytes(map + "/map.grid.pgm");
     for (const std::string start : {"given", "global"}) {
         const BrokenRuns runs(telecom_log,
-                              "checkpoint_items = 16\nmodules = odometry grid_localisation\n"
+                              "checkpoint_items = 25\nmodules = odometry grid_localisation\n"
                               "[grid_localisation]\nmap = " +
                                   map + "\nstart = " + start + "\n");
         ASSERT_EQ(runs.run("whole", false), 0) << start;
