@@ -73,7 +73,7 @@ std::vector<Constraint> Linker::link(const MapFrames& map, const ActiveMap& acti
     for (const std::uint32_t back : settings_.steps_back)
         if (frame >= back && map.distance_m(frame - back, frame) < settings_.max_distance_m)
             others.push_back(frame - back);
-    if (frame >= settings_.long_step && frame % settings_.long_every == 0 &&
+    if (frame >= settings_.long_step &&
         map.distance_m(frame - settings_.long_step, frame) < settings_.long_step_m)
         others.push_back(frame - settings_.long_step);
     for (const std::uint32_t other : earlier_visits(map, active, frame)) others.push_back(other);

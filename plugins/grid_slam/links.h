@@ -17,9 +17,9 @@ namespace loopline::grid_slam {
 
 struct LinkSettings {
     std::array<std::uint32_t, 2> steps_back{1, 5};  ///< among the frames taken before
-    /// And, for every second frame, one longer ago, unless it saw too much else: the longer the way of a
-    /// link, the fewer of them, each with its error, follow one another along the path.
-    std::uint32_t long_step = 20, long_every = 2;
+    /// And one longer ago, unless it saw too much else: the longer the way of a link, the fewer of them, each
+    /// with its error, follow one another along the path.
+    std::uint32_t long_step = 20;
     double long_step_m = 2.5;
     std::uint32_t beside = 2;   ///< frames before and after the other one whose surfaces are taken with it
     double beside_m = 0.5;      ///< if no longer a way lies between

@@ -25,7 +25,7 @@ struct LoopSettings {
     double reach_m = 4;    ///< from the vehicle to a frame of the old map, beyond what is uncertain
     double old_map_m = 4;  ///< way of the vehicle before and after that frame, whose frames make the old map
     double latest_m = 2;   ///< way of the vehicle up to now, whose frames are searched for
-    double window_sigmas = 6;  ///< half of the search window in standard deviations
+    double window_sigmas = 3;  ///< half of the search window in standard deviations
     double max_window_m = 10;  ///< but not more
     double max_window_rad = 30 * M_PI / 180;
     double named_window_m = 10;  ///< half of the window of a loop that a person named
