@@ -14,9 +14,9 @@ namespace loopline::grid_map {
 class SurfaceIndex {
  public:
     /// `bucket_m`: at least as long as the longest reach that is asked for. `spacing_m`: of the points along
-    /// a surface. `slots`: about as many as there will be points, a power of two, 256
-    /// or more. `rough_normals`: a scan
-    /// knows the directions of surfaces better, as where these come from the cells of a picture.
+    /// a surface. `slots`: about as many as there will be points, a power of two, 256 or more.
+    /// `rough_normals`: a scan knows the directions of surfaces better, as where these come from the cells of
+    /// a picture.
     explicit SurfaceIndex(double bucket_m, double spacing_m = 0.05, std::size_t slots = 1024,
                           bool rough_normals = false)
         : per_bucket_(1 / bucket_m), spacing_m_(spacing_m), slots_(slots), rough_normals_(rough_normals) {}
