@@ -22,6 +22,9 @@ struct Frame {
     std::vector<SurfacePoint> points;  ///< in the order of their angle
 };
 
+/// Of its returns from the sensor; 1 if there are none.
+double mean_range_m(const Frame& frame);
+
 struct FrameSettings {
     double min_range_m = 0.1;       ///< nearer returns are of the vehicle itself
     double max_range_m = 30;        ///< farther ones are left out

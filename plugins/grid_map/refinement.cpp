@@ -31,18 +31,18 @@ class NearbySurfaces {
         pieces_[count_++] = {dx, dy, nx, ny, d2, weight};
     }
 
-    /// `scale`: over which a piece counts less the farther it is than the nearest one.
-    Correspondence average(const Eigen::Vector2d& p_map_m, double unit_m, float scale) const {
+    /// A piece counts less the farther it is than the nearest one, over a cell: as SurfaceIndex::nearest does
+    /// over the spacing of points.
+    Correspondence average(const Eigen::Vector2d& p_map_m, double cell_m) const {
         Correspondence c;
         if (nearest_ == none) return c;
         const Piece& nearest = pieces_[nearest_];
-        const float per_scale2 = 1 / (scale * scale);
         float sum_x = 0, sum_y = 0, sum_nx = 0, sum_ny = 0, sum_w = 0;
         for (std::size_t k = 0; k < count_; ++k) {
             const Piece& q = pieces_[k];
             if (q.nx * nearest.nx + q.ny * nearest.ny < 0.8F) continue;
             // Falls like a Gaussian, and is quick to compute.
-            const float part = std::max(0.0F, 1 - (q.d2 - nearest.d2) * per_scale2 * 0.125F),
+            const float part = std::max(0.0F, 1 - (q.d2 - nearest.d2) * 0.125F),
                         w = q.weight * part * part * part * part;
             sum_x += w * q.dx;
             sum_y += w * q.dy;
@@ -51,7 +51,7 @@ class NearbySurfaces {
             sum_w += w;
         }
         c.found = true;
-        c.p_map_m = p_map_m + Eigen::Vector2d(sum_x, sum_y) * (unit_m / static_cast<double>(sum_w));
+        c.p_map_m = p_map_m + Eigen::Vector2d(sum_x, sum_y) * (cell_m / static_cast<double>(sum_w));
         c.normal_map = Eigen::Vector2d(sum_nx, sum_ny).normalized();
         return c;
     }
@@ -96,7 +96,7 @@ class GridSurfaces {
                            static_cast<float>(y - cell.y) + static_cast<float>(s.sum_y) * per - py,
                            snx * per_length, sny * per_length, std::min(returns, 20.0F));
             });
-        return nearby.average(p_map_m, grid_.cell_m(), 1);
+        return nearby.average(p_map_m, grid_.cell_m());
     }
     static constexpr bool has_rough_normals() { return false; }
 
@@ -110,26 +110,24 @@ class GridSurfaces {
 class IndexedSurfaces {
  public:
     IndexedSurfaces(const SurfaceIndex& index, double reach_m)
-        : index_(index),
-          reach2_m2_(static_cast<float>(reach_m * reach_m)),
-          scale_m_(static_cast<float>(index.spacing_m())) {}
+        : index_(index), reach_m_(static_cast<float>(reach_m)) {}
 
     Correspondence at(const Eigen::Vector2d& p_map_m, const Eigen::Vector2d& normal) const {
-        const auto px = static_cast<float>(p_map_m.x()), py = static_cast<float>(p_map_m.y()),
-                   nx = static_cast<float>(normal.x()), ny = static_cast<float>(normal.y());
-        NearbySurfaces nearby(reach2_m2_);
-        index_.near(p_map_m.x(), p_map_m.y(), [&](const SurfaceIndex::Point& q) {
-            const float dx = q.x - px, dy = q.y - py;
-            if (dx * dx + dy * dy < reach2_m2_ && q.nx * nx + q.ny * ny > 0.7F)
-                nearby.add(dx, dy, q.nx, q.ny, 1);
-        });
-        return nearby.average(p_map_m, 1, scale_m_);
+        const SurfaceIndex::Nearby nearby =
+            index_.nearest(p_map_m.x(), p_map_m.y(), static_cast<float>(normal.x()),
+                           static_cast<float>(normal.y()), reach_m_);
+        Correspondence c;
+        if (!nearby.found) return c;
+        c.found = true;
+        c.p_map_m = p_map_m + Eigen::Vector2d(nearby.dx_m, nearby.dy_m);
+        c.normal_map = Eigen::Vector2d(nearby.nx, nearby.ny).normalized();
+        return c;
     }
     bool has_rough_normals() const { return index_.has_rough_normals(); }
 
  private:
     const SurfaceIndex& index_;
-    float reach2_m2_, scale_m_;
+    float reach_m_;
 };
 
 struct NormalEquations {

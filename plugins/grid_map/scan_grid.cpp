@@ -41,9 +41,7 @@ void ScanGrid::apply(const Frame& frame, const Pose2& T_map_base, int sign) {
         const double u = p_map_m.x() / settings_.cell_m, v = p_map_m.y() / settings_.cell_m;
         const CellIndex cell{floor_to_int(u), floor_to_int(v)};
         Surface& surface = surfaces_.at(cell.x, cell.y);
-        const auto whole = [](double part) {
-            return static_cast<std::int32_t>(std::lround(part * fraction));
-        };
+        const auto whole = [](double part) { return floor_to_int(part * fraction + 0.5); };
         const bool was_empty = surface.returns == 0;
         surface.returns += sign;
         surface.sum_x += sign * whole(u - cell.x);
@@ -79,24 +77,31 @@ void ScanGrid::add_pass(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to
 }
 
 void ScanGrid::raise_likelihood(CellIndex cell) {
-    for (int dy = -kernel_radius; dy <= kernel_radius; ++dy)
-        for (int dx = -kernel_radius; dx <= kernel_radius; ++dx) {
-            const std::uint8_t value = kernel_at(dx, dy);
-            const int x = cell.x + dx, y = cell.y + dy;
-            std::uint8_t& level_0 = likelihood_[0].at(x, y);
-            if (value <= level_0) continue;
-            level_0 = value;
-            for (int h = 1; h < levels; ++h) {
-                const int bx = x >> h, by = y >> h;
-                bool raised = false;
-                for (int k = 0; k < 4; ++k) {
-                    std::uint8_t& bound = likelihood_[h].at(bx - (k & 1), by - (k >> 1));
-                    raised = raised || bound < value;
-                    bound = std::max(bound, value);
-                }
-                if (!raised) break;  // then no coarser one is raised either
-            }
+    for (int dy = -kernel_radius; dy <= kernel_radius; ++dy) {
+        const int y = cell.y + dy;
+        likelihood_[0].write_row(cell.x - kernel_radius, y, kernel_side,
+                                 [&](int x0, std::uint8_t* row, int count) {
+                                     for (int k = 0; k < count; ++k) {
+                                         const std::uint8_t value = kernel_at(x0 + k - cell.x, dy);
+                                         if (value <= row[k]) continue;
+                                         row[k] = value;
+                                         raise_bounds(x0 + k, y, value);
+                                     }
+                                 });
+    }
+}
+
+void ScanGrid::raise_bounds(int x, int y, std::uint8_t value) {
+    for (int h = 1; h < levels; ++h) {
+        const int bx = x >> h, by = y >> h;
+        bool raised = false;
+        for (int k = 0; k < 4; ++k) {
+            std::uint8_t& bound = likelihood_[h].at(bx - (k & 1), by - (k >> 1));
+            raised = raised || bound < value;
+            bound = std::max(bound, value);
         }
+        if (!raised) break;  // then no coarser one is raised either
+    }
 }
 
 void ScanGrid::mark_for_settling(CellIndex emptied) {
@@ -109,42 +114,65 @@ void ScanGrid::mark_for_settling(CellIndex emptied) {
 void ScanGrid::settle() {
     for (const auto& [x, y] : unsettled_) settle_tile(x, y);
     // A coarser level looks at the cells of the next tiles too, so these must be done.
-    constexpr int side = SparseArray<std::uint8_t>::tile_side;
-    for (int h = 1; h < levels; ++h) {
-        // Level 1 covers four cells to each side, a coarser one two even blocks of the level below it.
-        const int parts = h == 1 ? 4 : 2, stride = h == 1 ? 1 : 2;
-        for (const auto& [tx, ty] : unsettled_)
-            for (int y = ((ty * side) >> h) - 1; y <= (ty * side + side - 1) >> h; ++y)
-                for (int x = ((tx * side) >> h) - 1; x <= (tx * side + side - 1) >> h; ++x) {
-                    std::uint8_t best = 0;
-                    for (int dy = 0; dy < parts; ++dy)
-                        for (int dx = 0; dx < parts; ++dx)
-                            best = std::max(
-                                best, likelihood_[h - 1].value(2 * x + dx * stride, 2 * y + dy * stride));
-                    if (best != likelihood_[h].value(x, y)) likelihood_[h].at(x, y) = best;
-                }
-    }
+    for (int h = 1; h < levels; ++h)
+        for (const auto& [x, y] : unsettled_) settle_bounds(h, x, y);
     unsettled_.clear();
 }
 
 /// Level 0 of a tile anew.
 void ScanGrid::settle_tile(int tile_x, int tile_y) {
-    constexpr int side = SparseArray<std::uint8_t>::tile_side;
+    // With room around it for what lies partly outside.
+    constexpr int side = SparseArray<std::uint8_t>::tile_side, room = 2 * kernel_radius,
+                  padded = side + 2 * room;
     const int x0 = tile_x * side, y0 = tile_y * side;
-    std::array<std::uint8_t, side * side> values{};
-    surfaces_.visit_window(x0 - kernel_radius, y0 - kernel_radius, x0 + side - 1 + kernel_radius,
-                           y0 + side - 1 + kernel_radius, [&](int x, int y, const Surface& surface) {
-                               if (surface.returns == 0) return;
-                               for (int cy = std::max(0, y - y0 - kernel_radius);
-                                    cy <= std::min(side - 1, y - y0 + kernel_radius); ++cy)
-                                   for (int cx = std::max(0, x - x0 - kernel_radius);
-                                        cx <= std::min(side - 1, x - x0 + kernel_radius); ++cx) {
-                                       auto& value = values[static_cast<std::size_t>(cy * side + cx)];
-                                       value = std::max(value, kernel_at(x0 + cx - x, y0 + cy - y));
-                                   }
-                           });
-    for (int c = 0; c < side * side; ++c)
-        likelihood_[0].at(x0 + c % side, y0 + c / side) = values[static_cast<std::size_t>(c)];
+    std::array<std::uint8_t, padded * padded> values{};
+    surfaces_.visit_window(
+        x0 - kernel_radius, y0 - kernel_radius, x0 + side - 1 + kernel_radius, y0 + side - 1 + kernel_radius,
+        [&](int x, int y, const Surface& surface) {
+            if (surface.returns == 0) return;
+            for (int dy = 0; dy < kernel_side; ++dy) {
+                std::uint8_t* row = &values[static_cast<std::size_t>(
+                    (y - y0 + room - kernel_radius + dy) * padded + x - x0 + room - kernel_radius)];
+                const std::uint8_t* by = &kernel()[static_cast<std::size_t>(dy * kernel_side)];
+                for (int dx = 0; dx < kernel_side; ++dx) row[dx] = std::max(row[dx], by[dx]);
+            }
+        });
+    for (int y = 0; y < side; ++y)
+        likelihood_[0].write_row(x0, y0 + y, side, [&](int, std::uint8_t* row, int count) {
+            std::copy_n(&values[static_cast<std::size_t>((y + room) * padded + room)], count, row);
+        });
+}
+
+/// Level h anew where it looks at cells of a tile of level 0.
+void ScanGrid::settle_bounds(int h, int tile_x, int tile_y) {
+    constexpr int side = SparseArray<std::uint8_t>::tile_side;
+    // Level 1 looks at four cells to each side, a coarser one at two even blocks of the level below it.
+    const int parts = h == 1 ? 4 : 2, stride = h == 1 ? 1 : 2;
+    const int first_x = ((tile_x * side) >> h) - 1, first_y = ((tile_y * side) >> h) - 1,
+              count = (side >> h) + 1, below = 2 * (count - 1) + stride * (parts - 1) + 1;
+    std::array<std::uint8_t, (side + 4) * (side + 4)> fine{};
+    likelihood_[h - 1].visit_window(
+        2 * first_x, 2 * first_y, 2 * first_x + below - 1, 2 * first_y + below - 1,
+        [&](int x, int y, std::uint8_t value) {
+            fine[static_cast<std::size_t>((y - 2 * first_y) * below + x - 2 * first_x)] = value;
+        });
+    // The best along x first, then along y.
+    std::array<std::uint8_t, (side + 4) * (side / 2 + 1)> along_x{};
+    const auto widest = [&](const std::uint8_t* from, int step) {
+        std::uint8_t best = 0;
+        for (int k = 0; k < parts; ++k) best = std::max(best, from[k * stride * step]);
+        return best;
+    };
+    for (int y = 0; y < below; ++y)
+        for (int x = 0; x < count; ++x)
+            along_x[static_cast<std::size_t>(y * count + x)] =
+                widest(&fine[static_cast<std::size_t>(y * below + 2 * x)], 1);
+    for (int y = 0; y < count; ++y)
+        for (int x = 0; x < count; ++x) {
+            const std::uint8_t best = widest(&along_x[static_cast<std::size_t>(2 * y * count + x)], count);
+            if (best != likelihood_[h].value(first_x + x, first_y + y))
+                likelihood_[h].at(first_x + x, first_y + y) = best;
+        }
 }
 
 std::size_t ScanGrid::bytes() const {

@@ -76,7 +76,9 @@ class ScanGrid {
     void add_pass(const Eigen::Vector2d& from_m, const Eigen::Vector2d& to_m, int sign);
     void raise_likelihood(CellIndex cell);
     void mark_for_settling(CellIndex emptied);
+    void raise_bounds(int x, int y, std::uint8_t value);
     void settle_tile(int tile_x, int tile_y);
+    void settle_bounds(int h, int tile_x, int tile_y);
 
     ScanGridSettings settings_;
     SparseArray<Surface> surfaces_;

@@ -40,7 +40,8 @@ struct SearchWindow {
     /// lowest dx. Empty: all do.
     std::vector<std::uint8_t> allowed;
     bool holds_back(int heading_index, int dx, int dy) const {
-        if (!allowed.empty() && !allowed[static_cast<std::size_t>((dy + cells_y) * (2 * cells_x + 1) + dx + cells_x)])
+        if (!allowed.empty() &&
+            !allowed[static_cast<std::size_t>((dy + cells_y) * (2 * cells_x + 1) + dx + cells_x)])
             return true;
         if (without && without->holds(heading_index, dx, dy)) return true;
         for (const Exclusion& other : also_without)

@@ -47,6 +47,17 @@ class SparseArray {
         return (*tile)[cell_in_tile(x, y)];
     }
 
+    /// The cells (x0, y) .. (x0 + count - 1, y) for writing: visit(x, cells, count) for each part in one
+    /// tile.
+    template <class Visit>
+    void write_row(int x0, int y, int count, const Visit& visit) {
+        for (int x = x0; x < x0 + count;) {
+            const int end = std::min(x0 + count, (x | (tile_side - 1)) + 1);
+            visit(x, &at(x, y), end - x);
+            x = end;
+        }
+    }
+
     /// visit(x, y, cell) for the cells from (x0, y0) to (x1, y1), both included, that are in a tile; row by
     /// row within each tile.
     template <class Visit>

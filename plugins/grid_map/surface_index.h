@@ -2,6 +2,7 @@
 /// would not pay.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,17 +13,14 @@ namespace loopline::grid_map {
 
 class SurfaceIndex {
  public:
-    /// `bucket_m`: at least as long as the longest reach that is asked for. `spacing_m`: of the points along a
-    /// surface. `slots`: about as many as there will be points, a power of two. `rough_normals`: a scan knows
-    /// the directions of surfaces better, as where these come from the cells of a picture.
+    /// `bucket_m`: at least as long as the longest reach that is asked for. `spacing_m`: of the points along
+    /// a surface. `slots`: about as many as there will be points, a power of two, 256 or more.
+    /// `rough_normals`: a scan knows the directions of surfaces better, as where these come from the cells of
+    /// a picture.
     explicit SurfaceIndex(double bucket_m, double spacing_m = 0.05, std::size_t slots = 1024,
                           bool rough_normals = false)
-        : per_bucket_(1 / bucket_m),
-          spacing_m_(spacing_m),
-          slots_(slots),
-          rough_normals_(rough_normals) {}
+        : per_bucket_(1 / bucket_m), spacing_m_(spacing_m), slots_(slots), rough_normals_(rough_normals) {}
     bool has_rough_normals() const { return rough_normals_; }
-    double spacing_m() const { return spacing_m_; }
 
     void clear();
     /// Points of a frame at its pose; those without a normal are no surface.
@@ -30,38 +28,45 @@ class SurfaceIndex {
     /// Once, after the last add().
     void finish();
 
-    struct Point {
-        float x, y, nx, ny;
+    /// The surface nearest to a place, averaged with the points that continue it: those that face the same
+    /// way and are not much farther, over about the spacing of the points.
+    struct Nearby {
+        bool found = false;
+        float dx_m = 0, dy_m = 0;  ///< from the place to it
+        float nx = 0, ny = 0;      ///< its normal, of any length
     };
-    /// visit(point) for each point in the bucket of a place and the eight around it.
-    template <class Visit>
-    void near(double x_m, double y_m, const Visit& visit) const {
-        const int bx = bucket(x_m), by = bucket(y_m);
-        for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx) {
-                // Two buckets may share a slot: then a point far away is visited too.
-                const std::size_t slot = slot_of(bx + dx, by + dy);
-                for (std::uint32_t k = begin_[slot]; k < begin_[slot + 1]; ++k) visit(sorted_[k]);
-            }
-    }
-    bool empty() const { return sorted_.empty(); }
+    /// `normal`: within about 45 degrees of it the surface must face.
+    Nearby nearest(double x_m, double y_m, float normal_x, float normal_y, float reach_m) const;
+
+    bool empty() const { return points_.empty(); }
 
  private:
+    struct Range {
+        std::uint32_t begin, end;
+    };
+    /// The points in the bucket of a place and the eight around it, and some that share a slot with these.
+    std::array<Range, 3> around(double x_m, double y_m) const;
+
     int bucket(double v_m) const {
         const double v = v_m * per_bucket_;
         const int i = static_cast<int>(v);
         return i > v ? i - 1 : i;
     }
+    /// Neighbours along x are neighbours in memory.
     std::size_t slot_of(int bx, int by) const {
-        return (static_cast<std::uint32_t>(bx) * 73856093U ^ static_cast<std::uint32_t>(by) * 19349663U) %
-               slots_;
+        constexpr std::uint32_t row = 73;
+        return (static_cast<std::uint32_t>(bx) + static_cast<std::uint32_t>(by) * row) & (slots_ - 1);
     }
 
     double per_bucket_, spacing_m_;
     std::size_t slots_;
     bool rough_normals_;
-    std::vector<Point> points_, sorted_;
-    std::vector<std::uint32_t> begin_;
+    struct Point {
+        float x, y, nx, ny;
+    };
+    std::vector<Point> points_;           ///< as they were added
+    std::vector<float> x_, y_, nx_, ny_;  ///< by slots; those of the first two once more at the end
+    std::vector<std::uint32_t> begin_;    ///< of each slot
 };
 
 }  // namespace loopline::grid_map

@@ -57,6 +57,7 @@ void GridLocalisationModule::start(const RunContext&) {
     std::string problem;
     if (!read_map(map_path_, map, problem)) throw std::runtime_error(problem);
     settings_.start_given = start_ == Start::given;
+    fit_surfaces_to_noise(settings_.frame, settings_.forward.refinement.sigma_m);
     const double reach_m =
         refinement_on(std::max(cell_m_, map.resolution_m), settings_.forward.refinement).reach_m;
     map_ = std::make_unique<FrozenMap>(map, cell_m_, reach_m);

@@ -32,6 +32,7 @@ ModuleInfo GridSlamModule::info() const {
 }
 
 void GridSlamModule::start(const RunContext&) {
+    fit_surfaces_to_noise(settings_.frame, settings_.forward.refinement.sigma_m);
     settings_.loops.cell_m = settings_.cell_m;
     settings_.loops.refinement = settings_.forward.refinement;
     settings_.links.refinement = settings_.forward.refinement;
@@ -138,6 +139,7 @@ void GridSlamModule::finish(Results& results) {
     metrics["map_frames"] = static_cast<std::int64_t>(slam_->map().size());
     metrics["constraints"] = static_cast<std::int64_t>(slam_->constraints().size());
     metrics["scans_unmatched"] = static_cast<std::int64_t>(slam_->unmatched());
+    metrics["motions_refused"] = static_cast<std::int64_t>(slam_->motions_refused());
     metrics["scans_degenerate"] = static_cast<std::int64_t>(slam_->degenerate());
     scans_.report(metrics);
 }

@@ -18,6 +18,13 @@ inertial::ImuSample between(const inertial::ImuSample& a, const inertial::ImuSam
             (1 - u) * a.specific_force_base_mps2 + u * b.specific_force_base_mps2};
 }
 
+/// Variance of a turn by what the gyro's scale is wrong: in proportion to the turn, so that each step bears
+/// as much as makes the sum right over a corner.
+double variance_of_turn(const InertialSettings& settings, double turn_rad) {
+    const double turn = std::abs(turn_rad);
+    return settings.sigma_turn * settings.sigma_turn * turn * (turn + settings.corner_rad);
+}
+
 /// What speed and gyro get wrong within a step, on (x, y, phi) along the axes of the map.
 Eigen::Matrix3d error_of_step(const inertial::ErrorStateFilter& filter, const InertialSettings& settings,
                               double duration_s, double turn_rad) {
@@ -33,7 +40,7 @@ Eigen::Matrix3d error_of_step(const inertial::ErrorStateFilter& filter, const In
         std::pow(settings.sigma_speed_mps * dt, 2) * Eigen::Matrix2d::Identity();
     error(2, 2) = P(inertial::gyro_bias_error + 2, inertial::gyro_bias_error + 2) * bias_s2 +
                   std::pow(settings.noise.gyro.density_radps_sqrt_hz, 2) * dt +
-                  std::pow(settings.sigma_turn * turn_rad, 2) + 1e-9;
+                  variance_of_turn(settings, turn_rad) + 1e-9;
     return error;
 }
 
@@ -50,10 +57,33 @@ void move_filter(inertial::ErrorStateFilter& filter, const Pose2& T_new_old) {
     filter.start(state, turns * filter.covariance() * turns.transpose());
 }
 
-inertial::PlanarInformation without_the_map_noise(const ForwardMatch& match, const MapNoise& map) {
+/// The gyro's scale is not one of the errors that are estimated, and would pass for its bias after a corner.
+void doubt_the_turn(inertial::ErrorStateFilter& filter, const InertialSettings& settings, double turn_rad) {
+    inertial::ErrorMatrix P = filter.covariance();
+    P(inertial::attitude_error + 2, inertial::attitude_error + 2) += variance_of_turn(settings, turn_rad);
+    filter.start(filter.state(), P);
+}
+
+/// The map begins anew at the vehicle, and errs with it: position and heading are those of the map from now
+/// on, and the velocity errs by what its direction does against that heading.
+void begin_map(inertial::ErrorStateFilter& filter) {
+    const Eigen::Vector3d v = filter.state().v_map_mps;
+    constexpr int x = inertial::position_error, y = x + 1, heading = inertial::attitude_error + 2;
+    inertial::ErrorMatrix since = inertial::ErrorMatrix::Identity();
+    since(inertial::velocity_error, heading) = v.y();
+    since(inertial::velocity_error + 1, heading) = -v.x();
+    for (const int part : {x, y, heading}) since(part, part) = 0;
+    inertial::ErrorMatrix P = since * filter.covariance() * since.transpose();
+    constexpr double sigma_m = 1e-3, sigma_rad = 1e-4;  // not zero, which no filter likes
+    P(x, x) = P(y, y) = sigma_m * sigma_m;
+    P(heading, heading) = sigma_rad * sigma_rad;
+    filter.start(filter.state(), P);
+}
+
+inertial::PlanarInformation without_the_map_noise(const ForwardMatch& match,
+                                                  const Eigen::Matrix3d& map_noise) {
     // Directions that the scan does not hold have no information, and stay without.
-    const Eigen::Matrix3d doubt =
-        (Eigen::Matrix3d::Identity() + match.information * map.covariance()).inverse();
+    const Eigen::Matrix3d doubt = (Eigen::Matrix3d::Identity() + match.information * map_noise).inverse();
     return {match.T_map_base, doubt * match.information, doubt * match.gradient};
 }
 
@@ -161,10 +191,14 @@ Prediction InertialNavigation::predict(StampNs stamp_ns, const std::optional<Pos
     if (!aligned_) try_to_align();
     Prediction p = steady(stamp_ns, T_odom_base);
     scan_ns_ = stamp_ns;
+    step_s_ = p.duration_s;
     if (!was_aligned) {
         if (T_odom_base) T_odom_base_ = T_odom_base;
         return p;
     }
+    doubt_the_turn(
+        filter_, settings_,
+        wrap_to_pi(inertial::base_pose(filter_.state(), place_).planar().phi_rad - T_map_before.phi_rad));
     take_wheels(T_odom_base, p.duration_s);
     filter_.update(inertial::level_floor_measurement(filter_.state(), place_, settings_.floor));
     p.T_map_base = inertial::base_pose(filter_.state(), place_).planar();
@@ -201,9 +235,10 @@ void InertialNavigation::update(const ForwardMatch& match) {
     T_before_now_ =
         match.degeneracy.free_directions == 0 ? T_map_base_.inverse() * match.T_map_base : Pose2{};
     T_map_base_ = match.T_map_base;
-    covariance_ = match.covariance;
+    covariance_ = match.begins_map ? Eigen::Matrix3d::Zero().eval() : match.covariance;
+    if (aligned_ && match.begins_map) begin_map(filter_);
     if (!aligned_ || !match.matched) return;
-    const auto pose = without_the_map_noise(match, settings_.map);
+    const auto pose = without_the_map_noise(match, settings_.map.covariance(step_s_));
     filter_.update(inertial::pose_measurement(filter_.state(), place_, pose));
 }
 
@@ -261,6 +296,7 @@ Motion InertialReverse::motion_back(std::uint32_t to) {
     const StampNs stamp_ns = map_.stamps_ns[to];
     const Pose2 T_map_after = inertial::base_pose(filter_.state(), navigation_.place_).planar();
     const double duration_s = seconds_between(stamp_ns, map_.stamps_ns[frame_]);
+    step_s_ = duration_s;
     const auto& readings = navigation_.readings_;
     while (next_ > 0 && readings[next_ - 1].stamp_ns > stamp_ns) {
         if (readings[next_ - 1].stamp_ns < latest_.stamp_ns)
@@ -269,6 +305,9 @@ Motion InertialReverse::motion_back(std::uint32_t to) {
     }
     const inertial::ImuSample there = reading_at(stamp_ns);
     if (there.stamp_ns < latest_.stamp_ns) filter_.predict_reverse(there, latest_), latest_ = there;
+    doubt_the_turn(filter_, navigation_.settings_,
+                   wrap_to_pi(inertial::base_pose(filter_.state(), navigation_.place_).planar().phi_rad -
+                              T_map_after.phi_rad));
     filter_.update(
         inertial::level_floor_measurement(filter_.state(), navigation_.place_, navigation_.settings_.floor));
     frame_ = to;
@@ -281,7 +320,7 @@ Motion InertialReverse::motion_back(std::uint32_t to) {
 
 void InertialReverse::update(const ForwardMatch& match) {
     if (!match.matched) return;
-    const auto pose = without_the_map_noise(match, navigation_.settings_.map);
+    const auto pose = without_the_map_noise(match, navigation_.settings_.map.covariance(step_s_));
     filter_.update(inertial::pose_measurement(filter_.state(), navigation_.place_, pose));
 }
 

@@ -25,7 +25,8 @@ struct InertialSettings {
     /// What a step is wrong by beside what the filter states: its speed comes from scans of the same map, so
     /// it is not new beside them, and a gyro's scale is not one of the errors that are estimated.
     double sigma_speed_mps = 0.05;
-    double sigma_turn = 0.003;  ///< as a part of the turn
+    double sigma_turn = 0.003;     ///< as a part of the turn
+    double corner_rad = M_PI / 2;  ///< turn within which a wrong scale keeps its sign, about
     /// How long what the filter has wrong of speed and gyro bias stays so, about.
     double speed_lasts_s = 5, bias_lasts_s = 30;
     inertial::LevelFloor floor;
@@ -80,6 +81,7 @@ class InertialNavigation {
     std::optional<Pose2> T_odom_base_;           ///< at the latest scan
     Pose2 T_map_base_, T_before_now_;            ///< at the latest scan, and since the one before
     Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
+    double step_s_ = 0;  ///< from the scan before to the latest one
     std::int64_t refused_ = 0, backward_ = 0;
 };
 
@@ -100,6 +102,7 @@ class InertialReverse : public ReverseNavigation {
     const MapFrames& map_;
     inertial::ErrorStateFilter filter_;
     std::uint32_t frame_ = 0;
+    double step_s_ = 0;           ///< of the latest step back
     std::size_t next_ = 0;        ///< reading after the time that the filter is at
     inertial::ImuSample latest_;  ///< at that time
 };

@@ -26,10 +26,12 @@ std::optional<Constraint> Linker::match(const MapFrames& map, std::uint32_t from
     const Pose2 T_from_to = map.poses[from].inverse() * map.poses[to];
     // Where the scans leave a direction open, it stays about where it is.
     const Eigen::Matrix3d weak = Eigen::Vector3d(1 / 0.25, 1 / 0.25, 1 / 0.01).asDiagonal();
-    const auto fit =
-        grid_map::refine(surfaces_, map.frames[to], T_from_to, T_from_to, weak, settings_.refinement);
+    auto fit = grid_map::refine(surfaces_, map.frames[to], T_from_to, T_from_to, weak, settings_.refinement);
     if (!fit.converged || fit.fit < settings_.min_fit || fit.used < settings_.min_returns)
         return std::nullopt;
+    const double range_m = grid_map::mean_range_m(map.frames[to]);
+    if (grid_map::degeneracy(fit, range_m, settings_.sigma_degenerate_m).free_directions > 0)
+        grid_map::forget_free_directions(fit, T_from_to, range_m, settings_.sigma_degenerate_m);
     Constraint constraint;
     constraint.from = from;
     constraint.to = to;
@@ -71,6 +73,9 @@ std::vector<Constraint> Linker::link(const MapFrames& map, const ActiveMap& acti
     for (const std::uint32_t back : settings_.steps_back)
         if (frame >= back && map.distance_m(frame - back, frame) < settings_.max_distance_m)
             others.push_back(frame - back);
+    if (frame >= settings_.long_step &&
+        map.distance_m(frame - settings_.long_step, frame) < settings_.long_step_m)
+        others.push_back(frame - settings_.long_step);
     for (const std::uint32_t other : earlier_visits(map, active, frame)) others.push_back(other);
     std::vector<Constraint> constraints;
     for (const std::uint32_t other : others) {

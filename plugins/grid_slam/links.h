@@ -17,6 +17,10 @@ namespace loopline::grid_slam {
 
 struct LinkSettings {
     std::array<std::uint32_t, 2> steps_back{1, 5};  ///< among the frames taken before
+    /// And one longer ago, unless it saw too much else: the longer the way of a link, the fewer of them, each
+    /// with its error, follow one another along the path.
+    std::uint32_t long_step = 20;
+    double long_step_m = 2.5;
     std::uint32_t beside = 2;   ///< frames before and after the other one whose surfaces are taken with it
     double beside_m = 0.5;      ///< if no longer a way lies between
     double max_distance_m = 4;  ///< between the places of two frames
@@ -25,6 +29,7 @@ struct LinkSettings {
     int visits = 2;             ///< earlier visits that a frame is matched with
     double min_fit = 0.5;       ///< part of the returns on a surface of the other frame
     int min_returns = 25;       ///< and how many there must be
+    double sigma_degenerate_m = 0.3;  ///< a direction that the two hold no better than this is not observed
     grid_map::RefinementSettings refinement;
 };
 

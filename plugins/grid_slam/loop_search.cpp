@@ -165,7 +165,9 @@ std::vector<Constraint> LoopSearch::look(const MapFrames& map, const ActiveMap& 
     if (!found) return {};
     std::vector<Constraint> loop;
     for (const Constraint& other : pending_) {
-        if (way_m - map.path_m[other.to] > settings_.agree_within_m) continue;
+        // Matches of nearly the same scans make the same mistake.
+        const double since_m = way_m - map.path_m[other.to];
+        if (since_m < settings_.agree_after_m || since_m > settings_.agree_within_m) continue;
         // Both put the vehicle on the old map: what it drove between them must be the same.
         const Pose2 T_then_now = map.poses[other.to].inverse() * map.poses[found->to];
         const Pose2 by_loops =

@@ -26,7 +26,7 @@ struct LoopSettings {
     double old_map_m = 4;  ///< way of the vehicle before and after that frame, whose frames make the old map
     double latest_m = 2;   ///< way of the vehicle up to now, whose frames are searched for
     double window_sigmas = 3;  ///< half of the search window in standard deviations
-    double max_window_m = 5;   ///< but not more
+    double max_window_m = 10;  ///< but not more
     double max_window_rad = 30 * M_PI / 180;
     double named_window_m = 10;  ///< half of the window of a loop that a person named
     double named_window_rad = 45 * M_PI / 180;
@@ -39,7 +39,7 @@ struct LoopSettings {
     double rival_m = 0.5;                              ///< elsewhere: farther than this
     double max_sigma_m = 0.05;                         ///< how well the match must hold each direction
     double agree_m = 0.2, agree_rad = 2 * M_PI / 180;  ///< two matches are one loop if they differ by less
-    double agree_within_m = 6;                         ///< way between them
+    double agree_after_m = 0.9, agree_within_m = 6;    ///< way between them
     double information_share = 0.2;  ///< how much of the information of its returns a loop counts with
     double cell_m = 0.05;
     grid_map::RefinementSettings refinement;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 #include "api/pose2.h"
@@ -23,6 +24,16 @@ inline Eigen::Matrix3d carried_by(const Eigen::Vector2d& way_m) {
     carried(0, 2) = -way_m.y();
     carried(1, 2) = way_m.x();
     return carried;
+}
+
+/// carried_by(way) * covariance * carried_by(way)', written out.
+inline Eigen::Matrix3d carried(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& way_m) {
+    const double a = -way_m.y(), b = way_m.x(), pp = covariance(2, 2);
+    const double xp = covariance(0, 2) + a * pp, yp = covariance(1, 2) + b * pp;
+    const double xx = covariance(0, 0) + a * (covariance(0, 2) + xp),
+                 yy = covariance(1, 1) + b * (covariance(1, 2) + yp),
+                 xy = covariance(0, 1) + a * covariance(1, 2) + b * xp;
+    return (Eigen::Matrix3d() << xx, xy, xp, xy, yy, yp, xp, yp, pp).finished();
 }
 
 struct Motion {
@@ -54,20 +65,24 @@ inline Motion inverse(const Motion& motion) {
 }
 
 /// How far wheels can be trusted; standard deviations grow in proportion to the motion between two scans,
-/// since what wheels get wrong they get wrong all along.
+/// since what wheels get wrong they get wrong all along. What no motion explains walks at random with the
+/// time, so that it adds up to the same however often the laser turns.
 struct WheelNoise {
-    double sigma_rest_m = 0.02;              ///< without any motion
+    double sigma_rest_m = 0.02;              ///< after 1 s without any motion
     double sigma_way_m = 0.1;                ///< after 1 m
-    double sigma_rest_rad = 2 * M_PI / 180;  ///< without any motion
+    double sigma_rest_rad = 2 * M_PI / 180;  ///< after 1 s without any motion
     double sigma_turn = 0.1;                 ///< of a turn, as a part of it
     double sigma_way_rad = 3 * M_PI / 180;   ///< after 1 m
 };
 
-inline Motion wheel_motion(const Pose2& T_before_now, const WheelNoise& noise) {
-    const double way_m = T_before_now.translation().norm();
-    const double sigma_m = noise.sigma_rest_m + noise.sigma_way_m * way_m,
-                 sigma_rad = noise.sigma_rest_rad + noise.sigma_turn * std::abs(T_before_now.phi_rad) +
-                             noise.sigma_way_rad * way_m;
+/// `duration_s`: between the two; stamps of odd logs may say anything, so no more than 1 s counts, and no
+/// less than a fast laser takes for a turn.
+inline Motion wheel_motion(const Pose2& T_before_now, double duration_s, const WheelNoise& noise) {
+    const double way_m = T_before_now.translation().norm(),
+                 root_s = std::sqrt(std::clamp(duration_s, 0.01, 1.0));
+    const double sigma_m = noise.sigma_rest_m * root_s + noise.sigma_way_m * way_m,
+                 sigma_rad = noise.sigma_rest_rad * root_s +
+                             noise.sigma_turn * std::abs(T_before_now.phi_rad) + noise.sigma_way_rad * way_m;
     Motion motion{T_before_now, Eigen::Matrix3d::Zero()};
     motion.covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad;
     return motion;

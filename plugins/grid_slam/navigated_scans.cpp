@@ -15,6 +15,11 @@ void NavigatedScans::add_needs(ModuleInfo& info) const {
     (source_ == Source::wheel ? info.uses : info.needs).push_back("CObservationIMU");
 }
 
+void fit_surfaces_to_noise(grid_map::FrameSettings& frame, double sigma_return_m) {
+    frame.surface_half_m = 5 * sigma_return_m;
+    frame.sigma_surface_m = 1.5 * sigma_return_m;
+}
+
 void NavigatedScans::start(bool keep_readings) {
     settings_.wheels = source_ == Source::imu_wheel;
     settings_.keep_readings = keep_readings;

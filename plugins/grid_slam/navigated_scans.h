@@ -40,8 +40,8 @@ class NavigatedScans {
     /// `keep_readings`: of the IMU, for those who go back.
     void start(bool keep_readings);
 
-    /// Takes an observation, and calls estimate(scan) for each scan that has waited long enough, as long as it
-    /// says to go on with the next one; the others wait for the next observation.
+    /// Takes an observation, and calls estimate(scan) for each scan that has waited long enough, as long as
+    /// it says to go on with the next one; the others wait for the next observation.
     template <class Estimate>
     void take(const StreamItem& item, const Estimate& estimate) {
         take(item);
@@ -96,6 +96,9 @@ class NavigatedScans {
 
 /// Rows of how a scan is matched with what is around it.
 void declare_matching(ParameterTable& table, grid_map::FrameSettings& frame, ForwardSettings& forward);
+/// A noisier laser tells the direction of a surface from a longer piece of it only, and scatters more about
+/// it.
+void fit_surfaces_to_noise(grid_map::FrameSettings& frame, double sigma_return_m);
 
 /// What a module publishes of a scan's pose; the covariance is of (x, y, phi), map axes.
 mrpt::obs::CObservationRobotPose::Ptr pose_observation(const std::string& label, const Pose2& T_map_base,

@@ -9,11 +9,11 @@ void NavigatedScans::declare(ParameterTable& table) {
                 {{"wheel", Source::wheel}, {"imu", Source::imu}, {"imu+wheel", Source::imu_wheel}},
                 "What tells where the vehicle goes between two scans.")
         .real("sigma_rest_m", wheels_.sigma_rest_m, {1e-4, 10},
-              "Standard deviation of the wheels' way from scan to scan, without any motion.")
+              "Standard deviation of the wheels' way after 1 s, without any motion.")
         .real("sigma_way_m", wheels_.sigma_way_m, {0, 10},
               "What is added to it for each metre between two scans.")
         .angle("sigma_rest_deg", wheels_.sigma_rest_rad, {1e-3, 90},
-               "Standard deviation of the wheels' turn from scan to scan, without any motion.")
+               "Standard deviation of the wheels' turn after 1 s, without any motion.")
         .real("sigma_turn", wheels_.sigma_turn, {0, 10},
               "What is added to it, as a part of the turn between two scans.")
         .angle("sigma_way_deg", wheels_.sigma_way_rad, {0, 90},
@@ -28,7 +28,8 @@ void declare_matching(ParameterTable& table, grid_map::FrameSettings& frame, For
     table.real("min_range_m", frame.min_range_m, {0, 100}, "Nearer returns are of the vehicle itself.")
         .real("max_range_m", frame.max_range_m, {0.1, 1000}, "Farther returns are left out.")
         .real("sigma_return_m", refinement.sigma_m, {1e-3, 1},
-              "Standard deviation of a return about the surface that it is of.")
+              "Standard deviation of a return about the surface that it is of; surfaces are fitted to a way "
+              "of ten times as much.")
         .angle("sigma_beam_deg", refinement.sigma_angle_rad, {0, 10},
                "Standard deviation of a beam's direction, its width included.")
         .real("spacing_m", frame.spacing_m, {0, 1},

@@ -2,6 +2,8 @@
 /// both (rows B3 and B4 of the method). What the scans say then is fed back.
 #pragma once
 
+#include <algorithm>
+
 #include "api/stamp.h"
 #include "grid_slam/motion.h"
 
@@ -21,8 +23,14 @@ struct Prediction {
 struct MapNoise {
     double sigma_m = 0.005;
     double sigma_rad = 0.1 * M_PI / 180;
+    double lasts_s = 2;  ///< about as long as the vehicle goes by the same surfaces
     Eigen::Matrix3d covariance() const {
         return Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal();
+    }
+    /// An error that stays for a while, for those who take it for new at each scan: of so many of them that
+    /// their mean errs as it does.
+    Eigen::Matrix3d covariance(double duration_s) const {
+        return covariance() * (1 + lasts_s / std::clamp(duration_s, 0.01, lasts_s));
     }
 };
 

@@ -1,11 +1,10 @@
 #include "grid_slam/pose_graph.h"
 
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "least_squares/selected_inverse.h"
+#include "least_squares/block_ldlt.h"
 
 namespace loopline::grid_slam {
 namespace {
@@ -41,76 +40,51 @@ Eigen::Vector3d residual(const Constraint& constraint, const Pose2& T_map_from, 
     return linearise(constraint, T_map_from, T_map_to).e;
 }
 
-/// Lower triangle of the information of all poses but the first, and what drives them.
+/// Information of all poses but the first, and what drives them.
 class GraphOptimiser::NormalEquations {
  public:
     NormalEquations(std::size_t poses, const std::vector<Constraint>& constraints)
-        : size_(static_cast<Eigen::Index>(3 * (poses - 1))), gradient_(size_) {
-        entries_.reserve(constraints.size() * 27);
-    }
+        : ldlt_(poses - 1, pairs_of(constraints)), gradient_(static_cast<Eigen::Index>(3 * (poses - 1))) {}
 
     double build(const std::vector<Pose2>& poses, const std::vector<Constraint>& constraints,
                  const GraphSettings& settings) {
-        entries_.clear();
+        ldlt_.set_zero();
         gradient_.setZero();
         const double scale2 = settings.loss_scale * settings.loss_scale;
         double cost = 0;
+        std::size_t pair = 0;
         for (const Constraint& c : constraints) {
             const Linearised l = linearise(c, poses[c.from], poses[c.to]);
             const double square = l.e.dot(c.information * l.e);
             const double w = !c.may_be_wrong() ? 1 : 1 / (1 + square / scale2);
             cost += !c.may_be_wrong() ? square : scale2 * std::log1p(square / scale2);
-            const Eigen::Matrix3d information = w * c.information;
-            add(c.from, c.from, l.by_from.transpose() * information * l.by_from);
-            add(c.to, c.to, l.by_to.transpose() * information * l.by_to);
-            if (c.from < c.to)
-                add(c.to, c.from, l.by_to.transpose() * information * l.by_from);
-            else
-                add(c.from, c.to, l.by_from.transpose() * information * l.by_to);
-            add(c.from, -l.by_from.transpose() * information * l.e);
-            add(c.to, -l.by_to.transpose() * information * l.e);
+            const Eigen::Matrix3d information = w * c.information, by_from = information * l.by_from,
+                                  by_to = information * l.by_to;
+            if (c.from > 0) add(c.from, l.by_from.transpose() * by_from, -by_from.transpose() * l.e);
+            if (c.to > 0) add(c.to, l.by_to.transpose() * by_to, -by_to.transpose() * l.e);
+            if (is_between_unknowns(c)) ldlt_.add(pair++, l.by_from.transpose() * by_to);
         }
-        matrix_.resize(size_, size_);
-        matrix_.setFromTriplets(entries_.begin(), entries_.end());
         return cost;
     }
-
-    /// Lower triangle.
-    const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
-    const Eigen::VectorXd& gradient() const { return gradient_; }
+    bool factorise() { return ldlt_.factorise(); }
+    Eigen::VectorXd step() const { return ldlt_.solve(gradient_); }
+    std::vector<Eigen::Matrix3d> covariances() const { return ldlt_.inverse_diagonal(); }
 
  private:
-    void add(std::uint32_t row_pose, std::uint32_t column_pose, const Eigen::Matrix3d& block) {
-        if (row_pose == 0 || column_pose == 0) return;
-        const auto row = static_cast<int>(3 * (row_pose - 1)),
-                   column = static_cast<int>(3 * (column_pose - 1));
-        for (int r = 0; r < 3; ++r)
-            for (int c = 0; c < 3; ++c)
-                if (row + r >= column + c) entries_.emplace_back(row + r, column + c, block(r, c));
+    static bool is_between_unknowns(const Constraint& c) { return c.from > 0 && c.to > 0; }
+    static std::vector<least_squares::BlockLdlt::Pair> pairs_of(const std::vector<Constraint>& constraints) {
+        std::vector<least_squares::BlockLdlt::Pair> pairs;
+        for (const Constraint& c : constraints)
+            if (is_between_unknowns(c)) pairs.emplace_back(c.from - 1, c.to - 1);
+        return pairs;
     }
-    void add(std::uint32_t pose, const Eigen::Vector3d& part) {
-        if (pose > 0) gradient_.segment<3>(static_cast<Eigen::Index>(3 * (pose - 1))) += part;
+    void add(std::uint32_t pose, const Eigen::Matrix3d& information, const Eigen::Vector3d& gradient) {
+        ldlt_.add_diagonal(pose - 1, information);
+        gradient_.segment<3>(static_cast<Eigen::Index>(3 * (pose - 1))) += gradient;
     }
 
-    Eigen::Index size_;
-    std::vector<Eigen::Triplet<double>> entries_;
-    Eigen::SparseMatrix<double> matrix_;
+    least_squares::BlockLdlt ldlt_;
     Eigen::VectorXd gradient_;
-};
-
-struct GraphOptimiser::Solver {
-    explicit Solver(const NormalEquations& of) : equations(of) {}
-    NormalEquations equations;
-    least_squares::SparseLdlt ldlt;
-    bool ordered = false;
-
-    bool factorise() {
-        // The pattern stays: only the first time is an order chosen for it.
-        if (!ordered) ldlt.analyzePattern(equations.matrix());
-        ordered = true;
-        ldlt.factorize(equations.matrix());
-        return ldlt.info() == Eigen::Success;
-    }
 };
 
 GraphOptimiser::GraphOptimiser(std::vector<Pose2> poses, std::vector<Constraint> constraints,
@@ -118,8 +92,7 @@ GraphOptimiser::GraphOptimiser(std::vector<Pose2> poses, std::vector<Constraint>
     : poses_(std::move(poses)),
       constraints_(std::move(constraints)),
       settings_(settings),
-      solver_(
-          std::make_unique<Solver>(NormalEquations(std::max<std::size_t>(poses_.size(), 1), constraints_))) {
+      equations_(std::make_unique<NormalEquations>(std::max<std::size_t>(poses_.size(), 1), constraints_)) {
     good_ = poses_.size() >= 2 && !constraints_.empty();
 }
 GraphOptimiser::~GraphOptimiser() = default;
@@ -129,10 +102,10 @@ GraphOptimiser& GraphOptimiser::operator=(GraphOptimiser&&) noexcept = default;
 bool GraphOptimiser::iterate() {
     if (!good_ || iterations_ >= settings_.iterations) return false;
     ++iterations_;
-    cost_ = solver_->equations.build(poses_, constraints_, settings_);
-    good_ = solver_->factorise();
+    cost_ = equations_->build(poses_, constraints_, settings_);
+    good_ = equations_->factorise();
     if (!good_) return false;
-    const Eigen::VectorXd step = solver_->ldlt.solve(solver_->equations.gradient());
+    const Eigen::VectorXd step = equations_->step();
     good_ = step.allFinite();
     if (!good_) return false;
     for (std::size_t k = 1; k < poses_.size(); ++k) {
@@ -145,16 +118,10 @@ bool GraphOptimiser::iterate() {
 std::vector<Eigen::Matrix3d> GraphOptimiser::covariances() {
     std::vector<Eigen::Matrix3d> all;
     if (!good_) return all;
-    solver_->equations.build(poses_, constraints_, settings_);
-    if (!solver_->factorise()) return all;
-    const auto inverse = least_squares::selected_inverse(solver_->ldlt);
-    all.assign(poses_.size(), Eigen::Matrix3d::Zero());
-    for (std::size_t k = 1; k < poses_.size(); ++k)
-        for (int r = 0; r < 3; ++r)
-            for (int c = 0; c < 3; ++c) {
-                const auto at = static_cast<Eigen::Index>(3 * (k - 1));
-                all[k](r, c) = least_squares::selected_entry(inverse, solver_->ldlt, at + r, at + c);
-            }
+    equations_->build(poses_, constraints_, settings_);
+    if (!equations_->factorise()) return all;
+    all = equations_->covariances();
+    all.insert(all.begin(), Eigen::Matrix3d::Zero());
     return all;
 }
 

@@ -65,11 +65,10 @@ class GraphOptimiser {
 
  private:
     class NormalEquations;
-    struct Solver;
     std::vector<Pose2> poses_;
     std::vector<Constraint> constraints_;
     GraphSettings settings_;
-    std::unique_ptr<Solver> solver_;
+    std::unique_ptr<NormalEquations> equations_;
     int iterations_ = 0;
     double cost_ = 0;
     bool good_ = true;

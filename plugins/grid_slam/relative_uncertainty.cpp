@@ -9,7 +9,8 @@ namespace loopline::grid_slam {
 namespace {
 
 double larger_variance(const Eigen::Matrix3d& c) {
-    const double mean = (c(0, 0) + c(1, 1)) / 2, spread = std::hypot((c(0, 0) - c(1, 1)) / 2, c(0, 1));
+    const double mean = (c(0, 0) + c(1, 1)) / 2, half = (c(0, 0) - c(1, 1)) / 2,
+                 spread = std::sqrt(half * half + c(0, 1) * c(0, 1));
     return mean + spread;
 }
 
@@ -52,10 +53,10 @@ void relative_uncertainty(const Neighbourhood& graph, const std::vector<Pose2>& 
         for (const auto& edge : graph.of(frame)) {
             if (settled[edge.other]) continue;
             // The heading's error turns the way to the next frame.
-            const Eigen::Matrix3d carried =
-                carried_by(poses[edge.other].translation() - poses[frame].translation());
             const Eigen::Matrix3d covariance =
-                carried * result.covariance[frame] * carried.transpose() + edge.covariance;
+                carried(result.covariance[frame],
+                        poses[edge.other].translation() - poses[frame].translation()) +
+                edge.covariance;
             const double next = larger_variance(covariance);
             if (next >= limit_m2 || next >= result.variance_m2[edge.other]) continue;
             result.variance_m2[edge.other] = next;

@@ -20,8 +20,9 @@ class WheelNavigation {
         p.stamp_ns = stamp_ns;
         p.duration_s = started_ ? seconds_between(stamp_ns_, stamp_ns) : 0;
         if (started_)
-            p.motion = wheel_motion(
-                T_odom_base && T_odom_base_ ? T_odom_base_->inverse() * *T_odom_base : Pose2{}, noise_);
+            p.motion =
+                wheel_motion(T_odom_base && T_odom_base_ ? T_odom_base_->inverse() * *T_odom_base : Pose2{},
+                             p.duration_s, noise_);
         const Motion now = Motion{T_map_base_, covariance_} * p.motion;
         p.T_map_base = now.T_before_now;
         p.covariance = now.covariance;
@@ -34,7 +35,7 @@ class WheelNavigation {
         stamp_ns_ = stamp_ns;
         if (T_odom_base) T_odom_base_ = T_odom_base;
         T_map_base_ = match.T_map_base;
-        covariance_ = match.covariance;
+        covariance_ = match.begins_map ? Eigen::Matrix3d::Zero().eval() : match.covariance;
     }
     /// The map was corrected, and the vehicle moved with it.
     void move(const Pose2& T_new_old) {

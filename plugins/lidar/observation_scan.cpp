@@ -101,6 +101,10 @@ bool SpinningScanReader::read_image(const mrpt::obs::CObservationRotatingScan& i
         model_ = image.lidarModel;
     }
     const auto rows = image.rangeImage.rows(), columns = image.rangeImage.cols();
+    const double numbers[] = {image.startAzimuth, image.azimuthSpan, image.sweepDuration,
+                              image.rangeResolution};
+    for (const double number : numbers)
+        if (!std::isfinite(number)) return false;
     if (rows == 0 || columns == 0 || geometry_.elevations_deg.size() != static_cast<std::size_t>(rows))
         return false;
     geometry_.columns = static_cast<int>(columns);

@@ -36,7 +36,7 @@ class SpinningScanReader {
     explicit SpinningScanReader(const SweepConvention& cloud_sweep = {}) : cloud_sweep_(cloud_sweep) {}
 
     /// False, and nothing in `scan`, if that is no scan of such a lidar: another class, a stamp that is
-    /// missing, a model whose elevations nobody knows, or not a single return.
+    /// missing, a model whose elevations nobody knows, numbers that are none, or not a single return.
     bool read(const mrpt::obs::CObservation& observation, SpinningScan& scan);
 
  private:

@@ -15,7 +15,7 @@ class RingProgram {
     RingProgram() {
         folder_.write("ring.ini", "[run]\nrawlog = " + ring_log() +
                                       "\nmodules = odometry grid_slam\n[outputs]\nsnapshots = false\n"
-                                      "report = false\n");
+                                      "report = false\n[grid_slam]\nactive_sigma_m = 0.08\n");
     }
     ProgramResult run(const std::vector<std::string>& more) const {
         std::vector<std::string> words{"run", ini(), "--out", (folder_ / "out").string(), "--quiet"};

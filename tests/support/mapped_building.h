@@ -1,4 +1,4 @@
-/// Buildings of datasets/ with a map of them, each made once.
+/// Buildings of scenarios with a map of them, each made once.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,9 +14,9 @@ constexpr double radian_per_degree = M_PI / 180;
 
 /// A building and the map of it by its own drive, made once.
 struct MappedBuilding {
-    MappedBuilding(const char* dataset, double way_m, const Pose2& T_map_picture, std::size_t width,
-                   std::size_t height)
-        : scene(scene_of(test::dataset(dataset))),
+    MappedBuilding(const std::string& scenario_file, double way_m, const Pose2& T_map_picture,
+                   std::size_t width, std::size_t height)
+        : scene(scene_of(scenario_file)),
           world(walls_of(*scene)),
           picture(map_seen_from(world, poses_along(*scene, 0, way_m, 1), 0.05, T_map_picture, width, height)),
           map(picture, 0.05, 0.15) {}
@@ -27,12 +27,12 @@ struct MappedBuilding {
 };
 
 inline const MappedBuilding& loops_building() {
-    static const MappedBuilding building("cart_loops.ini", 260, {-19.6, -4.9, 0}, 784, 630);
+    static const MappedBuilding building(test_scenario("cart_floor.ini"), 260, {-19.6, -4.9, 0}, 784, 630);
     return building;
 }
 
 inline const MappedBuilding& twin_building() {
-    static const MappedBuilding building("cart_twin_rooms.ini", 185, {-28.4, -17.4, 0}, 700, 560);
+    static const MappedBuilding building(dataset("cart_twin_rooms.ini"), 185, {-28.4, -17.4, 0}, 700, 560);
     return building;
 }
 

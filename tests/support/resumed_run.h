@@ -59,16 +59,18 @@ class BrokenRuns {
     std::string path(const std::string& out) const { return folder_ / out; }
     std::string checkpoint(const std::string& out) const { return folder_ / (out + "/checkpoint.bin"); }
 
-    /// Every file of both folders, byte by byte; of metrics.json all but times and memory.
+    /// Every file of both folders, byte by byte; of metrics.json all but times and memory, and not the states
+    /// kept before loops, which hold such times too.
     void expect_same(const std::string& out, const std::string& whole) const {
         EXPECT_EQ(names(out), names(whole));
         for (const auto& name : names(whole)) {
             const std::string a = file_bytes(path(out) + "/" + name),
                               b = file_bytes(path(whole) + "/" + name);
-            if (name == "metrics.json")
+            if (name == "metrics.json") {
                 EXPECT_EQ(lasting(a), lasting(b));
-            else
+            } else if (name.rfind("states/", 0) != 0) {
                 EXPECT_TRUE(a == b) << name;
+            }
         }
     }
 
@@ -103,8 +105,9 @@ class BrokenRuns {
     }
     std::vector<std::string> names(const std::string& out) const {
         std::vector<std::string> names;
-        for (const auto& entry : std::filesystem::directory_iterator(path(out)))
-            names.push_back(entry.path().filename().string());
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(path(out)))
+            if (entry.is_regular_file())
+                names.push_back(std::filesystem::relative(entry.path(), path(out)).string());
         std::sort(names.begin(), names.end());
         return names;
     }
@@ -115,7 +118,7 @@ class BrokenRuns {
 
 /// Killed and interrupted early, midway and late; then taken up again.
 inline void expect_same_after_breaks(const std::string& ini, const std::string& log = telecom_log,
-                              std::uint64_t last_item = 448) {
+                                     std::uint64_t last_item = 448) {
     const BrokenRuns runs(log, ini);
     ASSERT_EQ(runs.run("whole", false), 0);
     EXPECT_FALSE(std::filesystem::exists(runs.checkpoint("whole")));

@@ -67,16 +67,32 @@ x_m = 0.2
 z_m = 0.45
 )";
 
+/// Simulated, with overrides of the scenario.
+inline std::string simulated_ring(const TemporaryFolder& folder, const std::vector<std::string>& sets) {
+    const std::string rawlog = (folder / "ring.rawlog").string();
+    std::vector<std::string> words{"simulate", folder.write("ring.ini", ring_scenario), "--out", rawlog,
+                                   "--quiet"};
+    for (const std::string& set : sets) {
+        words.emplace_back("--set");
+        words.push_back(set);
+    }
+    const auto said = run_loopline(words);
+    EXPECT_EQ(said.exit_code, 0) << said.err;
+    return rawlog;
+}
+
 /// Simulated once for all tests of a program.
 inline const std::string& ring_log() {
     static const TemporaryFolder folder;
-    static const std::string log = [] {
-        const std::string rawlog = (folder / "ring.rawlog").string();
-        const auto said =
-            run_loopline({"simulate", folder.write("ring.ini", ring_scenario), "--out", rawlog, "--quiet"});
-        EXPECT_EQ(said.exit_code, 0) << said.err;
-        return rawlog;
-    }();
+    static const std::string log = simulated_ring(folder, {});
+    return log;
+}
+
+/// The same with an IMU, which finds its attitude in five seconds at rest: 88 s.
+inline const std::string& ring_log_with_imu() {
+    static const TemporaryFolder folder;
+    static const std::string log = simulated_ring(
+        folder, {"simulation.sensors=wheels imu horizontal_laser", "cart.standstill_s=5", "imu.rate_hz=100"});
     return log;
 }
 

@@ -17,6 +17,11 @@ inline std::string dataset(const std::string& name) {
     return std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/" + name;
 }
 
+/// A scenario that only tests use: smaller than those of datasets/.
+inline std::string test_scenario(const std::string& name) {
+    return std::string(LOOPLINE_SOURCE_FOLDER) + "/tests/support/" + name;
+}
+
 /// The scene that a scenario draws. Its sensors are those of a simulator of the test's own.
 inline std::unique_ptr<simulation::Scene> scene_of(const std::string& scenario_file,
                                                    const std::vector<std::string>& overrides = {}) {

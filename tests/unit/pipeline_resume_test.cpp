@@ -9,10 +9,6 @@ namespace {
 const std::string chain = "modules = odometry lines line_slam\nmaps = grid\n";
 }  // namespace
 
-TEST(Resume, a_broken_run_ends_with_the_same_bytes) {
-    expect_same_after_breaks("checkpoint_items = 16\n" + chain);
-}
-
 TEST(Resume, a_run_may_be_broken_again_and_again) {
     const BrokenRuns runs(telecom_log, "checkpoint_items = 10\n" + chain);
     ASSERT_EQ(runs.run("whole", false), 0);

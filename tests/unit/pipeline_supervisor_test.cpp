@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <atomic>
 #include <csignal>
 #include <thread>
 
@@ -183,6 +184,25 @@ TEST_F(Supervisor, the_first_interruption_asks_to_stop_and_the_second_ends_at_on
     });
     EXPECT_EQ(twice.code, 130);
     EXPECT_NE(twice.said.find("ended at once"), std::string::npos) << twice.said;
+}
+
+TEST_F(Supervisor, an_interruption_that_reaches_another_thread_of_the_program_asks_to_stop_too) {
+    // The supervising thread blocks these signals, so the kernel gives them to one that does not.
+    std::atomic<bool> done{false};
+    std::thread other([&done] {
+        while (!done) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    });
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const auto interrupted = supervised(supervision_, [signal](const Attempt& attempt) {
+            ::kill(::getppid(), signal);
+            while (!attempt.rules.state->stop_requested)
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            return 130;
+        });
+        EXPECT_EQ(interrupted.code, 130);
+    }
+    done = true;
+    other.join();
 }
 
 TEST_F(Supervisor, memory_is_limited_while_a_log_is_read_and_not_after) {

@@ -214,8 +214,8 @@ TEST(UnevenFloor, slopes_have_the_deviation_asked_for_and_tilt_what_stands_on_it
 }
 
 TEST(UnevenFloor, leaves_the_planar_path_and_is_the_same_where_the_cart_comes_back_to) {
-    const auto level = scene_of(dataset("cart_loops.ini"), {"world.sigma_tilt_deg=0"});
-    const auto uneven = scene_of(dataset("cart_loops.ini"));
+    const auto level = scene_of(test_scenario("cart_floor.ini"), {"world.sigma_tilt_deg=0"});
+    const auto uneven = scene_of(test_scenario("cart_floor.ini"));
     const TrueMotion &a = level->drive.motion, &b = uneven->drive.motion;
     double steepest_rad = 0;
     for (StampNs t = 0; t < a.duration_ns(); t += 333'000'000) {
@@ -287,7 +287,7 @@ TEST_P(CartWorlds, lead_through_the_start_again_and_end_there) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Datasets, CartWorlds,
-                         ::testing::Values(CartWorld{"cart_loops.ini", 3, 215, 240},
+                         ::testing::Values(CartWorld{"cart_loops.ini", 3, 600, 640},
                                            CartWorld{"cart_corridor.ini", 3, 300, 325},
                                            CartWorld{"cart_twin_rooms.ini", 2, 320, 365}),
                          [](const auto& test) {

@@ -128,7 +128,7 @@ TEST(SimulatedImu, on_a_circle_it_feels_the_pull_of_its_own_place) {
 
 TEST(SimulatedImu, without_errors_its_readings_lead_along_the_true_path) {
     std::unique_ptr<Scene> scene;
-    const auto readings = imu_readings(dataset("cart_loops.ini"), no_errors, scene);
+    const auto readings = imu_readings(test_scenario("cart_floor.ini"), no_errors, scene);
     const Pose3 T_base_imu({0.1, -0.05, 0.4}, Eigen::Quaterniond::Identity());
     const auto truth = [&](StampNs t) { return scene->drive.motion.pose_at(t) * T_base_imu; };
     const double dt_s = 0.005;
@@ -160,7 +160,7 @@ TEST(SimulatedImu, without_errors_its_readings_lead_along_the_true_path) {
 
 TEST(SimulatedImu, with_its_errors_free_inertial_navigation_is_lost_within_a_minute) {
     std::unique_ptr<Scene> scene;
-    const auto readings = imu_readings(dataset("cart_loops.ini"), {}, scene);
+    const auto readings = imu_readings(test_scenario("cart_floor.ini"), {}, scene);
     Strapdown free(scene->drive.motion.pose_at(0));
     for (std::size_t i = 0; i < 12000; ++i) free.step(readings[i].omega_radps, readings[i].force_mps2, 0.005);
     EXPECT_GT((free.pose().translation_m - scene->drive.motion.pose_at(60'000'000'000).translation_m).norm(),

@@ -3,12 +3,14 @@
 
 #include <cmath>
 
+#include "simulation/mesh/mesh_caster.h"
 #include "simulation/town/cubic_spline.h"
 #include "simulation/town/recorded_path.h"
 #include "simulation/town/spline_ground.h"
 #include "simulation/town/terrain.h"
 #include "simulation/town/town.h"
 #include "support/run_program.h"
+#include "support/simulated_scene.h"
 
 using namespace loopline;
 using namespace loopline::simulation;
@@ -176,4 +178,48 @@ TEST(Solids, rectangles_that_touch_are_told_apart) {
     EXPECT_FALSE(overlap(a, {Pose2{2.8, 1.8, M_PI / 4}, 2, 2})) << "a corner turned away";
     EXPECT_NEAR(distance_m(a, {5, 5}), std::hypot(3, 4), 1e-12);
     EXPECT_EQ(distance_m(a, {1, -0.5}), 0);
+}
+
+TEST(Traffic, cars_move_without_leaps_and_meet_nothing) {
+    const auto scene = test::scene_of(test::dataset("straight_street.ini"),
+                                      {"town.ground_cell_m=20", "traffic.oncoming_s=6", "traffic.ahead=0.5"});
+    const Traffic& traffic = scene->landscape->traffic;
+    ASSERT_GT(traffic.meshes().size(), 5u);
+    std::vector<std::optional<Eigen::Vector3d>> before(traffic.meshes().size());
+    std::size_t seen = 0;
+    for (StampNs time_ns = 0; time_ns < scene->duration_ns(); time_ns += 100'000'000) {
+        const Pose3 T_map_base = scene->drive.motion.pose_at(time_ns);
+        std::vector<std::optional<Eigen::Vector3d>> now(before.size());
+        for (const MovingBody& body : traffic.at(time_ns)) {
+            const Eigen::Vector3d& at_m = body.T_map_body.translation_m;
+            now[body.mesh] = at_m;
+            ++seen;
+            ASSERT_GT((at_m - T_map_base.translation_m).norm(), 2.4);
+            ASSERT_NEAR(at_m.z(), scene->landscape->ground->height_m(at_m.head<2>()), 1e-9);
+            ASSERT_TRUE(scene->landscape->town.lots.is_free({body.T_map_body.planar(), 3.7, 1.6}));
+            ASSERT_LT((at_m - before[body.mesh].value_or(at_m)).norm(), 2);
+        }
+        before = now;
+    }
+    EXPECT_GT(seen, 500u);
+}
+
+TEST(Gallery, closes_over_the_way) {
+    const auto scene = test::scene_of(test::dataset("ramp_gallery.ini"));
+    const Landscape& landscape = *scene->landscape;
+    const auto caster = make_mesh_caster(landscape.town.mesh);
+    std::vector<MeshRay> rays;
+    for (const double way_m : {20.0, 70.0, 100.0, 140.0, 190.0}) {
+        const Eigen::Vector2d p = landscape.driven.at(way_m).translation();
+        rays.push_back({{p.x(), p.y(), landscape.ground->height_m(p) + 1}, Eigen::Vector3d::UnitZ()});
+        rays.push_back({rays.back().origin_m, -Eigen::Vector3d::UnitZ()});
+    }
+    std::vector<MeshHit> hits;
+    caster->cast(rays, 200, hits);
+    for (std::size_t i = 0; i < 5; ++i) {
+        const bool inside = i > 0 && i < 4;
+        EXPECT_EQ(std::isfinite(hits[2 * i].range_m), inside) << i;
+        EXPECT_TRUE(!inside || std::abs(hits[2 * i].range_m - 3.5) < 0.3) << i;
+        EXPECT_NEAR(hits[2 * i + 1].range_m, 1, 0.05) << "the triangles of the ground lie on it";
+    }
 }

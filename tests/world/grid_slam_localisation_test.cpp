@@ -1,4 +1,4 @@
-/// Starts that are not given, and drives that get lost, in the buildings of datasets/.
+/// Starts that are not given, and drives that get lost, in buildings of scenarios.
 #include <gtest/gtest.h>
 
 #include "support/mapped_building.h"

@@ -1,5 +1,6 @@
 /// Broken runs of many kinds of modules and logs: each goes on to the same bytes.
 #include "support/resumed_run.h"
+#include "support/ring_log.h"
 
 using namespace loopline;
 using namespace loopline::testing;
@@ -12,18 +13,45 @@ const char* const simul_log =
 
 }  // namespace
 
+TEST(ResumedRuns, wherever_they_were_broken_off) {
+    expect_same_after_breaks("checkpoint_items = 25\n" + chain);
+}
+
 TEST(ResumedRuns, where_a_step_of_the_filter_takes_seven_scans) {
-    expect_same_after_breaks("checkpoint_items = 4\n" + chain + "[line_slam]\ninterval_scans = 7\n");
+    expect_same_after_breaks("checkpoint_items = 10\n" + chain + "[line_slam]\ninterval_scans = 7\n");
 }
 
 TEST(ResumedRuns, of_one_that_maps_on_a_grid_and_closes_its_loops_either_way) {
-    const std::string grid = "checkpoint_items = 16\nmodules = odometry grid_slam\nmaps = grid\n[grid_slam]\n";
+    const std::string grid =
+        "checkpoint_items = 40\nmodules = odometry grid_slam\nmaps = grid\n[grid_slam]\n";
     expect_same_after_breaks(grid + "weights = joint\n");
     const BrokenRuns runs(telecom_log, grid + "weights = covariance\n");
     ASSERT_EQ(runs.run("whole", false), 0);
     EXPECT_EQ(runs.run("broken", false, Break::kill_all, 400), 137);
     EXPECT_EQ(runs.run("broken", true), 0);
     runs.expect_same("broken", "whole");
+}
+
+TEST(ResumedRuns, of_a_cart_that_navigates_by_its_imu_and_closes_its_loops_either_way) {
+    const std::string grid =
+        "checkpoint_items = 100\nmodules = odometry grid_slam\n[odometry]\nscans = horizontal_laser\n"
+        "[grid_slam]\nactive_sigma_m = 0.03\n";
+    for (const std::string how :
+         {"navigation = imu+wheel\nweights = joint\n", "navigation = imu\nweights = covariance\n"}) {
+        SCOPED_TRACE(how);
+        const BrokenRuns runs(test::ring_log_with_imu(), grid + how);
+        ASSERT_EQ(runs.run("whole", false), 0);
+        const auto metrics = nlohmann::json::parse(file_bytes(runs.path("whole") + "/metrics.json"));
+        EXPECT_TRUE(metrics.at("imu_aligned").get<bool>());
+        EXPECT_GE(metrics.at("loops_found").get<int>(), 1);
+        // At rest, on the first way round, and after a loop.
+        for (const std::uint64_t at : {300U, 3000U, 7500U}) {
+            EXPECT_EQ(runs.run("broken", false, Break::kill_all, at), 137);
+            EXPECT_EQ(runs.run("broken", true), 0);
+            runs.expect_same("broken", "whole");
+            std::filesystem::remove_all(runs.path("broken"));
+        }
+    }
 }
 
 TEST(ResumedRuns, of_a_long_log_with_a_recording_of_several_blocks) {
@@ -49,7 +77,7 @@ TEST(ResumedRuns, of_one_that_is_localised_in_a_finished_map) {
                       pgm = file_bytes(map + "/map.grid.pgm");
     for (const std::string start : {"given", "global"}) {
         const BrokenRuns runs(telecom_log,
-                              "checkpoint_items = 16\nmodules = odometry grid_localisation\n"
+                              "checkpoint_items = 25\nmodules = odometry grid_localisation\n"
                               "[grid_localisation]\nmap = " +
                                   map + "\nstart = " + start + "\n");
         ASSERT_EQ(runs.run("whole", false), 0) << start;

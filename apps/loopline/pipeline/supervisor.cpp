@@ -1,5 +1,6 @@
 #include "pipeline/supervisor.h"
 
+#include <pthread.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -54,10 +55,21 @@ class AwaitedSignals {
         sigemptyset(&set_);
         for (const int signal : {SIGCHLD, SIGINT, SIGTERM}) sigaddset(&set_, signal);
         sigprocmask(SIG_BLOCK, &set_, &before_);
+        // A library may have threads, which don't block them: such a thread hands its signal on.
+        waiting_thread = ::pthread_self();
+        struct sigaction hand_on {};
+        hand_on.sa_handler = [](int signal) { ::pthread_kill(waiting_thread, signal); };
+        hand_on.sa_flags = SA_RESTART;
+        sigaction(SIGINT, &hand_on, &on_interrupt_before_);
+        sigaction(SIGTERM, &hand_on, &on_terminate_before_);
         std::signal(SIGCHLD,
                     SIG_DFL);  // whoever started us may have ignored it, and then nothing could be waited for
     }
-    ~AwaitedSignals() { release(); }
+    ~AwaitedSignals() {
+        sigaction(SIGINT, &on_interrupt_before_, nullptr);
+        sigaction(SIGTERM, &on_terminate_before_, nullptr);
+        release();
+    }
     AwaitedSignals(const AwaitedSignals&) = delete;
     AwaitedSignals& operator=(const AwaitedSignals&) = delete;
     void release() { sigprocmask(SIG_SETMASK, &before_, nullptr); }
@@ -68,8 +80,12 @@ class AwaitedSignals {
     }
 
  private:
+    static pthread_t waiting_thread;
     sigset_t set_{}, before_{};
+    struct sigaction on_interrupt_before_ {
+    }, on_terminate_before_{};
 };
+pthread_t AwaitedSignals::waiting_thread;
 
 /// How a worker ended.
 struct Ending {

@@ -8,25 +8,30 @@
 #include <unordered_map>
 
 #include "simulation/town/cubic_spline.h"
+#include "simulation/town/plan_cell.h"
 
 namespace loopline::simulation {
 namespace {
 
-constexpr double meeting_m = 6;           ///< on the plan: the same place
+constexpr double meeting_m = 10;          ///< on the plan: farther apart is another place
 constexpr std::size_t way_between = 100;  ///< poses; nearer ones follow each other
 constexpr double meeting_weight = 0.01;   ///< against the change from pose to pose
+constexpr double bend_weight = 1000;      ///< of the change of that: it bends over some 20 poses
 
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 
 std::int64_t place_key(double x_m, double y_m) {
-    const auto cell = [](double at_m) { return static_cast<std::int64_t>(std::floor(at_m / meeting_m)); };
-    return (cell(x_m) << 32) ^ (cell(y_m) & 0xffffffff);
+    return cell_key(cell_of(x_m, meeting_m), cell_of(y_m, meeting_m));
 }
 
-/// Pairs of poses at one place, the second the nearest of an earlier visit.
-std::vector<std::pair<std::size_t, std::size_t>> meetings(const std::vector<Pose3>& poses) {
+/// Poses at one place, the second the nearest of an earlier visit.
+struct Meeting {
+    std::size_t later, earlier;
+    double apart_m;  ///< on the plan: the ground may slope from one to the other
+};
+std::vector<Meeting> meetings(const std::vector<Pose3>& poses) {
     std::unordered_map<std::int64_t, std::vector<std::size_t>> of_place;
-    std::vector<std::pair<std::size_t, std::size_t>> found;
+    std::vector<Meeting> found;
     for (std::size_t i = 0; i < poses.size(); ++i) {
         const Eigen::Vector2d here_m = poses[i].translation_m.head<2>();
         double least_m = meeting_m;
@@ -42,7 +47,7 @@ std::vector<std::pair<std::size_t, std::size_t>> meetings(const std::vector<Pose
                     nearest = j;
                 }
             }
-        if (nearest != i) found.emplace_back(i, nearest);
+        if (nearest != i) found.push_back({i, nearest, least_m});
         of_place[place_key(here_m.x(), here_m.y())].push_back(i);
     }
     return found;
@@ -92,7 +97,8 @@ std::vector<Pose3> read_kitti_poses(const std::string& file) {
 void level_revisits(std::vector<Pose3>& poses) {
     const auto pairs = meetings(poses);
     if (pairs.empty()) return;
-    // Least squares of sum (c[i+1] - c[i])^2 + weight sum (z[i] + c[i] - z[j] - c[j])^2, with c[0] = 0.
+    // Least squares of sum (c[i+1] - c[i])^2 + bend sum (c[i+2] - 2 c[i+1] + c[i])^2 + weight sum (z[i] +
+    // c[i] - z[j] - c[j])^2, with c[0] = 0.
     const auto n = static_cast<int>(poses.size());
     std::vector<Eigen::Triplet<double>> terms{{0, 0, 1}};
     Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
@@ -102,8 +108,12 @@ void level_revisits(std::vector<Pose3>& poses) {
         right[j] -= weight * wanted_m;
     };
     for (int i = 1; i < n; ++i) add(i, i - 1, 1, 0);
-    for (const auto& [i, j] : pairs)
-        add(static_cast<int>(i), static_cast<int>(j), meeting_weight,
+    constexpr double second[] = {1, -2, 1};
+    for (int i = 0; i + 2 < n; ++i)
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) terms.emplace_back(i + a, i + b, bend_weight * second[a] * second[b]);
+    for (const auto& [i, j, apart_m] : pairs)
+        add(static_cast<int>(i), static_cast<int>(j), meeting_weight * std::pow(1 - apart_m / meeting_m, 4),
             poses[j].translation_m.z() - poses[i].translation_m.z());
     Eigen::SparseMatrix<double> normal(n, n);
     normal.setFromTriplets(terms.begin(), terms.end());

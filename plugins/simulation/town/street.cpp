@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/town/plan_cell.h"
+
 namespace loopline::simulation {
 namespace {
 
 constexpr double sample_m = 0.5;  ///< from point to point of a street in the index
 constexpr double heading_base_m = 4;
-
-std::int64_t cell_key(std::int64_t x, std::int64_t y) {
-    return (x << 32) ^ (y & 0xffffffff);
-}
-std::int64_t cell_of(double at_m, double side_m) {
-    return static_cast<std::int64_t>(std::floor(at_m / side_m));
-}
 
 }  // namespace
 
