@@ -3,6 +3,8 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 
 
 namespace loopline {
@@ -29,15 +31,13 @@ ParameterTable LidarMappingModule::parameters() {
         .real("match_voxel_m", s.match_voxel_m, {0.01, 10}, "And one from each of these is matched with it.")
         .real("cell_m", s.map.cell_m, {0.05, 10}, "Edge of the map's smallest cubes, each with one plane or edge.")
         .integer("sizes", s.map.sizes, {1, 5}, "Sizes of cubes, each twice as large as the one before.")
-        .integer("enough_returns", s.map.enough_returns, {10, 10000},
-                 "A cube with so many returns takes no more.")
         .real("keep_radius_m", s.map.keep_radius_m, {10, 10000}, "What is farther away is forgotten.")
-        .real("sigma_range_m", s.registration.sigma_range_m, {1e-3, 1}, "Standard deviation of a range.")
+        .real("sigma_range_m", s.map.sigma_range_m, {1e-3, 1}, "Standard deviation of a range.")
         .real("loss_scale", s.registration.loss_scale, {0.1, 100},
               "A return that is so many standard deviations off its surface counts half.")
-        .real("sigma_acceleration_mps2", s.sigma_acceleration_mps2, {0.01, 100},
+        .real("sigma_acceleration_mps2", s.motion.sigma_acceleration_mps2, {0.01, 100},
               "How quickly the vehicle's speed changes.")
-        .real("sigma_turn_radps2", s.sigma_turn_radps2, {0.01, 100}, "And its rates of turn.")
+        .real("sigma_turn_radps2", s.motion.sigma_turn_radps2, {0.01, 100}, "And its rates of turn.")
         .real("cloud_sweep_s", cloud_sweep_.sweep_s, {0, 10},
               "Duration of a sweep whose points come without times.");
     return table;
@@ -55,10 +55,13 @@ void LidarMappingModule::process(const StreamItem& item, Publisher& publisher) {
         ++unusable_;
         return;
     }
+    static SurfaceMap* before=nullptr; if (getenv("DUMP") && (int)trajectory_.size()==atoi(getenv("DUMP"))) before=new SurfaceMap(mapping_->map());
     const Registration& found = mapping_->add(scan_);
+    if (before) { FILE* f=fopen("/tmp/lm/res.txt","w"); for (auto& p : mapping_->matched()) { auto a=found.state.T_map_base*undistorted(p,found.state.velocity); auto m=before->find(a); double e= m.kind==SurfaceKind::plane ? m.direction_map.dot(m.offset_m) : m.kind==SurfaceKind::edge ? (m.offset_m-m.direction_map*m.direction_map.dot(m.offset_m)).norm() : 0; fprintf(f,"%d %.2f %.2f %.2f r %.1f e %.3f s %.3f n %.2f %.2f %.2f t %.3f off %.2f\n",(int)m.kind,a.x(),a.y(),a.z(),p.p_base_m.norm(),e,std::sqrt(m.variance_m2),m.direction_map.x(),m.direction_map.y(),m.direction_map.z(),p.time_s,m.offset_m.norm()); } fclose(f); delete before; before=nullptr; }
+    if (getenv("DBG")) { auto& t=found.state.T_map_base.translation_m; auto &v=found.state.velocity; fprintf(stderr,"DBG %zu p %.3f %.3f %.3f v %.3f %.3f %.3f w %.4f %.4f %.4f fit %.2f rms %.2f used %d it %d conv %d cells %zu pts %zu\n",trajectory_.size(),t.x(),t.y(),t.z(),v.shift_m.x(),v.shift_m.y(),v.shift_m.z(),v.turn_rad.x(),v.turn_rad.y(),v.turn_rad.z(),found.fit,found.rms_sigmas,found.used,found.iterations,found.converged,mapping_->map().cells(),scan_.points.size()); }
     const double middle_s = (scan_.begin_s + scan_.end_s) / 2;
-    const Pose3 T_map_base = found.T_map_base * exp_se3(found.velocity * -middle_s);
-    Matrix6d covariance = (found.information + 1e-6 * Matrix6d::Identity()).inverse();
+    const Pose3 T_map_base = found.state.T_map_base * exp_se3(found.state.velocity * -middle_s);
+    const Matrix6d covariance = found.state.covariance.topLeftCorner<6, 6>();
     trajectory_.append(item.sequence, item.stamp_ns, T_map_base, covariance);
     auto published = mrpt::obs::CObservationRobotPose::Create();
     published->sensorLabel = published_label;

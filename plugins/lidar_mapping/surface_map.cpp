@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <limits>
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -9,12 +10,34 @@ namespace {
 constexpr std::size_t first_slots = 1024;
 /// Where one ring of a sweep crosses a cube it leaves a line that is no edge; it lies level, or nearly so.
 constexpr float upright = 0.7F;
+constexpr int parts = 4;  ///< of a cube, along each of its edges
 
 VoxelIndex unpack(VoxelKey key) {
     const auto part = [key](int shift) {
         return static_cast<std::int32_t>(static_cast<std::int64_t>(key << (64 - 21 - shift)) >> (64 - 21));
     };
     return {part(42), part(21), part(0)};
+}
+
+Eigen::Map<const Eigen::Vector3f> vector(const std::array<float, 3>& a) {
+    return Eigen::Map<const Eigen::Vector3f>(a.data());
+}
+void set(std::array<float, 3>& a, const Eigen::Vector3f& v) {
+    Eigen::Map<Eigen::Vector3f>(a.data()) = v;
+}
+
+/// From the middle of its cube, in parts of the edge: -0.5 .. 0.5.
+Eigen::Vector3f place_in(const Eigen::Vector3d& p_map_m, double per_edge, const VoxelIndex& index) {
+    return {static_cast<float>(p_map_m.x() * per_edge - index.x - 0.5),
+            static_cast<float>(p_map_m.y() * per_edge - index.y - 0.5),
+            static_cast<float>(p_map_m.z() * per_edge - index.z - 0.5)};
+}
+
+std::uint64_t part_of(const Eigen::Vector3f& u) {
+    const auto part = [](float v) {
+        return std::clamp(static_cast<int>((v + 0.5F) * parts), 0, parts - 1);
+    };
+    return std::uint64_t{1} << ((part(u.x()) * parts + part(u.y())) * parts + part(u.z()));
 }
 
 }  // namespace
@@ -56,32 +79,32 @@ SurfaceMap::Cell& SurfaceMap::cell_at(Size& size, VoxelKey key) {
         if (cell.key != no_voxel) continue;
         cell.key = key;
         ++size.used;
-        ++used_;
         return cell;
     }
 }
 
-void SurfaceMap::add(const Eigen::Vector3d& p_map_m) {
-    for (Size& size : sizes_) {
-        const VoxelIndex index = index_of(size, p_map_m);
-        Cell& cell = cell_at(size, pack(index));
-        if (cell.returns >= settings_.enough_returns) continue;
-        const std::array<float, 3> u = {static_cast<float>(p_map_m.x() * size.per_edge - index.x - 0.5),
-                                        static_cast<float>(p_map_m.y() * size.per_edge - index.y - 0.5),
-                                        static_cast<float>(p_map_m.z() * size.per_edge - index.z - 0.5)};
-        ++cell.returns;
-        for (std::size_t a = 0, k = 0; a < 3; ++a) {
-            cell.sum[a] += u[a];
-            for (std::size_t b = 0; b <= a; ++b) cell.squares[k++] += u[a] * u[b];
-        }
-        if (cell.returns >= settings_.min_returns && 4 * cell.returns >= 5 * cell.fitted) fit(size, cell);
+void SurfaceMap::add(std::size_t which, const Eigen::Vector3d& p_map_m) {
+    Size& size = sizes_[which];
+    const VoxelIndex index = index_of(size, p_map_m);
+    Cell& cell = cell_at(size, pack(index));
+    const Eigen::Vector3f u = place_in(p_map_m, size.per_edge, index);
+    // What a lidar sees again and again from where it stands counts once: its rings would else fill the cube
+    // before it moves on, and sees what lies between them.
+    const std::uint64_t part = part_of(u);
+    if ((cell.seen & part) != 0) return;
+    cell.seen |= part;
+    ++cell.returns;
+    for (Eigen::Index a = 0, k = 0; a < 3; ++a) {
+        cell.sum[static_cast<std::size_t>(a)] += u[a];
+        for (Eigen::Index b = 0; b <= a; ++b) cell.squares[static_cast<std::size_t>(k++)] += u[a] * u[b];
     }
+    if (cell.returns >= settings_.min_returns && 8 * cell.returns >= 9 * cell.fitted) fit(size, cell);
 }
 
 void SurfaceMap::fit(const Size& size, Cell& cell) const {
     cell.fitted = cell.returns;
-    const auto n = static_cast<float>(cell.returns);
-    const Eigen::Vector3f mean = Eigen::Map<const Eigen::Vector3f>(cell.sum.data()) / n;
+    const float n = cell.returns;
+    const Eigen::Vector3f mean = vector(cell.sum) / n;
     Eigen::Matrix3f covariance;
     covariance << cell.squares[0], cell.squares[1], cell.squares[3], cell.squares[1], cell.squares[2],
         cell.squares[4], cell.squares[3], cell.squares[4], cell.squares[5];
@@ -89,46 +112,58 @@ void SurfaceMap::fit(const Size& size, Cell& cell) const {
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> eigen;
     eigen.computeDirect(covariance);
     const auto edge2 = static_cast<float>(size.edge_m * size.edge_m),
-               thin2 = static_cast<float>(settings_.max_thickness_m * settings_.max_thickness_m) / edge2,
-               wide2 = static_cast<float>(settings_.min_width_m * settings_.min_width_m) / edge2;
-    const Eigen::Vector3f variance = eigen.eigenvalues().cwiseMax(0.0F);
-    Eigen::Map<Eigen::Vector3f>(cell.mean.data()) = mean;
-    cell.kind = Surface::Kind::none;
-    if (variance[0] < thin2 && variance[1] > wide2 && variance[1] > 9 * variance[0]) {
-        cell.kind = Surface::Kind::plane;
-        Eigen::Map<Eigen::Vector3f>(cell.direction.data()) = eigen.eigenvectors().col(0);
-        cell.variance = variance[0] * edge2;
-    } else if (variance[1] < thin2 && variance[2] > wide2 && variance[2] > 9 * variance[1] &&
-               std::abs(eigen.eigenvectors()(2, 2)) > upright) {
-        cell.kind = Surface::Kind::edge;
-        Eigen::Map<Eigen::Vector3f>(cell.direction.data()) = eigen.eigenvectors().col(2);
-        cell.variance = variance[1] * edge2;
+               thick2 = static_cast<float>(settings_.max_thickness_m * settings_.max_thickness_m),
+               noise2 = static_cast<float>(settings_.sigma_range_m * settings_.sigma_range_m);
+    const Eigen::Vector3f variance_m2 = edge2 * eigen.eigenvalues().cwiseMax(0.0F);
+    const Eigen::Matrix3f& axes = eigen.eigenvectors();
+    cell.kind = SurfaceKind::none;
+    if (variance_m2[0] < thick2 && variance_m2[1] > 4 * std::max(variance_m2[0], noise2)) {
+        cell.kind = SurfaceKind::plane;
+        set(cell.direction, axes.col(0));
+        cell.variance_m2 = std::max(variance_m2[0], noise2);
+    } else if (variance_m2[1] < thick2 && variance_m2[2] > 9 * std::max(variance_m2[1], noise2) &&
+               std::abs(axes(2, 2)) > upright) {
+        cell.kind = SurfaceKind::edge;
+        set(cell.direction, axes.col(2));
+        cell.variance_m2 = std::max(variance_m2[1], noise2);
+    } else {
+        return;
     }
+    set(cell.along, axes.col(2));
+    cell.per_along_m2 = 1 / variance_m2[2];
+    cell.per_beside_m2 = 1 / std::max(variance_m2[1], noise2);
 }
 
-bool SurfaceMap::find(const Eigen::Vector3d& p_map_m, Surface::Kind& kind, Eigen::Vector3f& direction,
-                      Eigen::Vector3f& offset_m, float& variance_m2) const {
-    for (const Size& size : sizes_) {
-        const VoxelIndex index = index_of(size, p_map_m);
-        const Cell* cell = find_cell(size, pack(index));
-        if (cell == nullptr || cell->kind == Surface::Kind::none) continue;
-        kind = cell->kind;
-        direction = Eigen::Map<const Eigen::Vector3f>(cell->direction.data());
-        variance_m2 = cell->variance;
-        offset_m = static_cast<float>(size.edge_m) *
-                   (Eigen::Vector3f(static_cast<float>(p_map_m.x() * size.per_edge - index.x - 0.5),
-                                    static_cast<float>(p_map_m.y() * size.per_edge - index.y - 0.5),
-                                    static_cast<float>(p_map_m.z() * size.per_edge - index.z - 0.5)) -
-                    Eigen::Map<const Eigen::Vector3f>(cell->mean.data()));
-        return true;
+void SurfaceMap::look(const Size& size, const Eigen::Vector3d& p_map_m, SurfaceMatch& best) const {
+    const VoxelIndex index = index_of(size, p_map_m);
+    const Cell* cell = find_cell(size, pack(index));
+    if (cell == nullptr || cell->kind == SurfaceKind::none) return;
+    const float n = cell->returns;
+    const Eigen::Vector3f offset_m =
+        static_cast<float>(size.edge_m) * (place_in(p_map_m, size.per_edge, index) - vector(cell->sum) / n);
+    const Eigen::Vector3f direction = vector(cell->direction), along = vector(cell->along);
+    const float a_m = along.dot(offset_m);
+    float leverage = 1 + a_m * a_m * cell->per_along_m2;
+    if (cell->kind == SurfaceKind::plane) {
+        const float b_m = direction.cross(along).dot(offset_m);
+        leverage += b_m * b_m * cell->per_beside_m2;
     }
-    return false;
+    const float of_surface_m2 = cell->variance_m2 * leverage / n;
+    if (of_surface_m2 > static_cast<float>(settings_.max_sigma_m * settings_.max_sigma_m)) return;
+    const float variance_m2 = cell->variance_m2 + of_surface_m2;
+    if (best.kind != SurfaceKind::none && variance_m2 >= best.variance_m2) return;
+    best = {cell->kind, direction, offset_m, variance_m2};
+}
+
+SurfaceMatch SurfaceMap::find(const Eigen::Vector3d& p_map_m) const {
+    SurfaceMatch best;
+    for (const Size& size : sizes_) look(size, p_map_m, best);
+    return best;
 }
 
 void SurfaceMap::rebuild(Size& size, std::size_t slots, const VoxelIndex* around, int radius) {
     std::vector<Cell> old(slots);
     old.swap(size.table);
-    used_ -= size.used;
     size.used = 0;
     const std::size_t mask = slots - 1;
     for (const Cell& cell : old) {
@@ -144,7 +179,6 @@ void SurfaceMap::rebuild(Size& size, std::size_t slots, const VoxelIndex* around
         size.table[k] = cell;
         ++size.used;
     }
-    used_ += size.used;
 }
 
 void SurfaceMap::keep_around(const Eigen::Vector3d& p_map_m) {
@@ -153,6 +187,12 @@ void SurfaceMap::keep_around(const Eigen::Vector3d& p_map_m) {
         rebuild(size, size.table.size(), &around,
                 static_cast<int>(settings_.keep_radius_m * size.per_edge) + 1);
     }
+}
+
+std::size_t SurfaceMap::cells() const {
+    std::size_t cells = 0;
+    for (const Size& size : sizes_) cells += size.used;
+    return cells;
 }
 
 std::size_t SurfaceMap::bytes() const {

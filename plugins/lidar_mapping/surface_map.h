@@ -11,22 +11,25 @@
 
 namespace loopline::lidar_mapping {
 
-/// What the returns in a cube lie on.
-struct Surface {
-    enum class Kind : std::uint8_t { none, plane, edge };
-    Kind kind = Kind::none;
-    Eigen::Vector3f mean_map_m = Eigen::Vector3f::Zero();
-    Eigen::Vector3f direction_map = Eigen::Vector3f::Zero();  ///< normal of a plane, direction of an edge
-    float variance_m2 = 0;  ///< of returns about it, and of itself
+enum class SurfaceKind : std::uint8_t { none, plane, edge };
+
+/// What the returns around a place lie on.
+struct SurfaceMatch {
+    SurfaceKind kind = SurfaceKind::none;
+    Eigen::Vector3f direction_map;  ///< normal of a plane, direction of an edge
+    Eigen::Vector3f offset_m;       ///< the place minus a point of the surface
+    /// Of a return about the surface there: its scatter, and what the surface itself is uncertain by, more the
+    /// farther off it is from the returns that it was made of.
+    float variance_m2 = 0;
 };
 
 struct SurfaceMapSettings {
-    double cell_m = 0.5;        ///< edge of the smallest cubes; each next size is twice as large
-    int sizes = 2;
-    int enough_returns = 60;    ///< in a cube: more tell nothing new
-    int min_returns = 6;
-    double max_thickness_m = 0.1;   ///< standard deviation about a plane or an edge
-    double min_width_m = 0.08;      ///< standard deviation along it
+    double cell_m = 0.5;  ///< edge of the smallest cubes; each next size is twice as large
+    int sizes = 3;
+    int min_returns = 6;           ///< in different parts of a cube
+    double sigma_range_m = 0.02;   ///< no surface is known to be flatter than this
+    double max_thickness_m = 0.1;  ///< standard deviation about a plane or an edge
+    double max_sigma_m = 0.1;      ///< a surface less certain than this at a place is none there
     double keep_radius_m = 110;
 };
 
@@ -35,27 +38,30 @@ class SurfaceMap {
  public:
     explicit SurfaceMap(const SurfaceMapSettings& settings);
 
-    void add(const Eigen::Vector3d& p_map_m);
-    /// The surface that a return belongs to: of the smallest cube around it that has one.
-    /// False if there is none. `p_map_m` minus a point on the surface goes to `offset_m`.
-    bool find(const Eigen::Vector3d& p_map_m, Surface::Kind& kind, Eigen::Vector3f& direction,
-              Eigen::Vector3f& offset_m, float& variance_m2) const;
+    /// Adds to the cubes of one size; sizes have nothing to do with one another.
+    void add(std::size_t size, const Eigen::Vector3d& p_map_m);
+    std::size_t sizes() const { return sizes_.size(); }
+    /// The most certain surface among those of the cubes around a place; kind `none` if there is none.
+    SurfaceMatch find(const Eigen::Vector3d& p_map_m) const;
     /// Forgets what is farther than `keep_radius_m`.
     void keep_around(const Eigen::Vector3d& p_map_m);
 
-    std::size_t cells() const { return used_; }
+    std::size_t cells() const;
     std::size_t bytes() const;
 
  private:
     struct Cell {
         VoxelKey key = no_voxel;
+        std::uint64_t seen = 0;  ///< which of its 4 x 4 x 4 parts have given a return; one of each counts
         // Of returns, from the cube's middle, in parts of its edge.
         std::array<float, 3> sum{};
         std::array<float, 6> squares{};
-        std::uint16_t returns = 0, fitted = 0;
-        Surface::Kind kind = Surface::Kind::none;
-        std::array<float, 3> mean{}, direction{};
-        float variance = 0;
+        // Of the surface: normal of a plane, or direction of an edge.
+        std::array<float, 3> direction{}, along{};  ///< `along`: the plane's direction that is known best
+        float variance_m2 = 0;                      ///< across
+        float per_along_m2 = 0, per_beside_m2 = 0;  ///< inverse variances of the returns in the plane
+        std::uint8_t returns = 0, fitted = 0;
+        SurfaceKind kind = SurfaceKind::none;
     };
     struct Size {
         double edge_m = 0, per_edge = 0;
@@ -63,14 +69,14 @@ class SurfaceMap {
         std::size_t used = 0;
     };
     static VoxelIndex index_of(const Size& size, const Eigen::Vector3d& p_map_m);
-    Cell& cell_at(Size& size, VoxelKey key);
+    static Cell& cell_at(Size& size, VoxelKey key);
     static const Cell* find_cell(const Size& size, VoxelKey key);
+    static void rebuild(Size& size, std::size_t slots, const VoxelIndex* around, int radius);
     void fit(const Size& size, Cell& cell) const;
-    void rebuild(Size& size, std::size_t slots, const VoxelIndex* around, int radius);
+    void look(const Size& size, const Eigen::Vector3d& p_map_m, SurfaceMatch& best) const;
 
     SurfaceMapSettings settings_;
     std::vector<Size> sizes_;
-    std::size_t used_ = 0;
 };
 
 }  // namespace loopline::lidar_mapping

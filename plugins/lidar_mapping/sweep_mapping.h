@@ -9,37 +9,34 @@ namespace loopline::lidar_mapping {
 
 struct SweepMappingSettings {
     SamplingSettings sampling;
-    double map_voxel_m = 0.25;    ///< of the returns that go to the map
-    double match_voxel_m = 1;     ///< of those that are matched
-    double sigma_acceleration_mps2 = 5;    ///< of the motion from sweep to sweep
-    double sigma_turn_radps2 = 2;
+    double map_voxel_m = 0.25;  ///< of the returns that go to the map
+    double match_voxel_m = 1;   ///< of those that are matched
     double forget_every_m = 10;
+    MotionNoise motion;
     SurfaceMapSettings map;
     RegistrationSettings registration;
 };
 
 class SweepMapping {
  public:
-    explicit SweepMapping(const SweepMappingSettings& settings) : settings_(settings), map_(settings.map) {}
+    explicit SweepMapping(const SweepMappingSettings& settings)
+        : settings_(settings), map_(settings.map) {}
 
-    /// The pose at the middle of the sweep.
     const Registration& add(const lidar::SpinningScan& scan);
     const SurfaceMap& map() const { return map_; }
     const std::vector<SweepPoint>& matched() const { return matched_; }
 
  private:
-    MotionPrior predict(StampNs middle_ns) const;
     void add_to_map();
 
     SweepMappingSettings settings_;
     ScanSampler sampler_;
     SurfaceMap map_;
     std::vector<SweepPoint> points_, matched_;
+    std::vector<Eigen::Vector3d> points_map_m_;
     Registration last_;
-    Twist3 last_motion_;       ///< a second, between the two last sweeps
-    bool any_ = false, moved_ = false;
+    bool any_ = false;
     StampNs last_ns_ = 0;
-    Twist3 change_;
     Eigen::Vector3d forgot_at_m_ = Eigen::Vector3d::Zero();
 };
 

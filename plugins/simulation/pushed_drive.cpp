@@ -1,5 +1,6 @@
 #include "simulation/pushed_drive.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "simulation/random_waves.h"
@@ -10,7 +11,8 @@ namespace {
 /// Where hands let the cart stray to.
 class Hands {
  public:
-    Hands(double sigma_side_m, RandomStream random) : side_m_(sigma_side_m, shortest_m, longest_m, random) {}
+    Hands(const PushSettings& push, RandomStream random)
+        : side_m_(push.sigma_side_m, shortest(push), 4 * shortest(push), random) {}
 
     Pose2 T_world_base(const CartPath& path, double way_m) const {
         const PathPoint point = path.at(way_m);
@@ -26,7 +28,8 @@ class Hands {
     }
 
  private:
-    static constexpr double shortest_m = 3, longest_m = 12;
+    /// Wavelength: nobody steers in less than 3 s to the other side and back.
+    static double shortest(const PushSettings& push) { return 3 * std::max(1.0, push.speed_mps); }
     static constexpr double fade_in_m = 2;  ///< a drive begins on its path
 
     RandomWaves side_m_;
@@ -62,7 +65,7 @@ std::optional<Drive> push_along(const Waypoints& waypoints, const PushSettings& 
     const auto ways_m = pushed_ways_m(path, push, seconds_between(0, step_ns), RandomStream(seed, "speed"));
     if (static_cast<double>(ways_m.size()) * settings.step_s > settings.longest_s) return std::nullopt;
 
-    const Hands hands(push.sigma_side_m, RandomStream(seed, "hands"));
+    const Hands hands(push, RandomStream(seed, "hands"));
     Drive drive;
     double way_m = 0;
     Pose2 T_world_base = hands.T_world_base(path, 0);

@@ -1,0 +1,38 @@
+/// Pose and velocity of the vehicle in the middle of a sweep, and how the two go on to the next one: as if
+/// nothing accelerated, but for noise.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "api/pose3_motion.h"
+
+namespace loopline::lidar_mapping {
+
+using Matrix12d = Eigen::Matrix<double, 12, 12>;
+using Vector12d = Eigen::Matrix<double, 12, 1>;
+
+struct MotionState {
+    Pose3 T_map_base;
+    Twist3 velocity;  ///< a second, along the vehicle's axes
+    /// Of shift, turn, velocity and rate of turn, all along the map's axes, about the vehicle's own position:
+    /// what is known relative to the map around it.
+    Matrix12d covariance = Matrix12d::Zero();
+};
+
+struct MotionNoise {
+    double sigma_acceleration_mps2 = 5;
+    double sigma_turn_radps2 = 2;
+    double sigma_first_speed_mps = 20;  ///< before anything is known
+    double sigma_first_turn_radps = 1;
+};
+
+/// A vehicle of which nothing is known but that it is at the map's origin.
+MotionState first_state(const MotionNoise& noise);
+MotionState predict(const MotionState& state, double duration_s, const MotionNoise& noise);
+
+/// With the error of its 12 parameters put into it.
+MotionState moved_by(const MotionState& state, const Vector12d& step);
+/// What moved_by() would have to be given to lead from `from` to `to`.
+Vector12d difference(const MotionState& to, const MotionState& from);
+
+}  // namespace loopline::lidar_mapping
