@@ -35,6 +35,8 @@ ParameterTable LidarMappingModule::parameters() {
         .real("sigma_range_m", s.map.sigma_range_m, {1e-3, 1}, "Standard deviation of a range.")
         .real("loss_scale", s.registration.loss_scale, {0.1, 100},
               "A return that is so many standard deviations off its surface counts half.")
+        .real("sigma_degenerate_m", s.registration.sigma_degenerate_m, {1e-3, 10},
+              "A direction of motion that a sweep holds no better than this is not observed.")
         .real("sigma_acceleration_mps2", s.motion.sigma_acceleration_mps2, {0.01, 100},
               "How quickly the vehicle's speed changes.")
         .real("sigma_turn_radps2", s.motion.sigma_turn_radps2, {0.01, 100}, "And its rates of turn.")
@@ -43,9 +45,9 @@ ParameterTable LidarMappingModule::parameters() {
     return table;
 }
 
-void LidarMappingModule::start(const RunContext&) {
+void LidarMappingModule::start(const RunContext& context) {
     reader_ = std::make_unique<lidar::SpinningScanReader>(cloud_sweep_);
-    mapping_ = std::make_unique<SweepMapping>(settings_);
+    mapping_ = std::make_unique<SweepMapping>(settings_, context.threads);
 }
 
 void LidarMappingModule::process(const StreamItem& item, Publisher& publisher) {
@@ -55,10 +57,8 @@ void LidarMappingModule::process(const StreamItem& item, Publisher& publisher) {
         ++unusable_;
         return;
     }
-    static SurfaceMap* before=nullptr; if (getenv("DUMP") && (int)trajectory_.size()==atoi(getenv("DUMP"))) before=new SurfaceMap(mapping_->map());
     const Registration& found = mapping_->add(scan_);
-    if (before) { FILE* f=fopen("/tmp/lm/res.txt","w"); for (auto& p : mapping_->matched()) { auto a=found.state.T_map_base*undistorted(p,found.state.velocity); auto m=before->find(a); double e= m.kind==SurfaceKind::plane ? m.direction_map.dot(m.offset_m) : m.kind==SurfaceKind::edge ? (m.offset_m-m.direction_map*m.direction_map.dot(m.offset_m)).norm() : 0; fprintf(f,"%d %.2f %.2f %.2f r %.1f e %.3f s %.3f n %.2f %.2f %.2f t %.3f off %.2f\n",(int)m.kind,a.x(),a.y(),a.z(),p.p_base_m.norm(),e,std::sqrt(m.variance_m2),m.direction_map.x(),m.direction_map.y(),m.direction_map.z(),p.time_s,m.offset_m.norm()); } fclose(f); delete before; before=nullptr; }
-    if (getenv("DBG")) { auto& t=found.state.T_map_base.translation_m; auto &v=found.state.velocity; fprintf(stderr,"DBG %zu p %.3f %.3f %.3f v %.3f %.3f %.3f w %.4f %.4f %.4f fit %.2f rms %.2f used %d it %d conv %d cells %zu pts %zu\n",trajectory_.size(),t.x(),t.y(),t.z(),v.shift_m.x(),v.shift_m.y(),v.shift_m.z(),v.turn_rad.x(),v.turn_rad.y(),v.turn_rad.z(),found.fit,found.rms_sigmas,found.used,found.iterations,found.converged,mapping_->map().cells(),scan_.points.size()); }
+    if (getenv("DBG")) { auto& t=found.state.T_map_base.translation_m; auto &v=found.state.velocity; auto &g=found.degeneracy; fprintf(stderr,"DBG %zu p %.3f %.3f %.3f v %.3f %.3f %.3f w %.4f %.4f %.4f fit %.2f rms %.2f used %d it %d conv %d cells %zu pts %zu free %d weak %.3f (%.2f %.2f %.2f)\n",trajectory_.size(),t.x(),t.y(),t.z(),v.shift_m.x(),v.shift_m.y(),v.shift_m.z(),v.turn_rad.x(),v.turn_rad.y(),v.turn_rad.z(),found.fit,found.rms_sigmas,found.used,found.iterations,found.converged,mapping_->map().cells(),scan_.points.size(),g.free_directions,g.weakest_sigma_m,g.weakest[0],g.weakest[1],g.weakest[2]); }
     const double middle_s = (scan_.begin_s + scan_.end_s) / 2;
     const Pose3 T_map_base = found.state.T_map_base * exp_se3(found.state.velocity * -middle_s);
     const Matrix6d covariance = found.state.covariance.topLeftCorner<6, 6>();

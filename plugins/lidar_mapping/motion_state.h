@@ -22,8 +22,8 @@ struct MotionState {
 struct MotionNoise {
     double sigma_acceleration_mps2 = 5;
     double sigma_turn_radps2 = 2;
-    double sigma_first_speed_mps = 20;  ///< before anything is known
-    double sigma_first_turn_radps = 1;
+    double sigma_first_speed_mps = 1;  ///< about the one that is tried
+    double sigma_first_turn_radps = 0.3;
 };
 
 /// A vehicle of which nothing is known but that it is at the map's origin.

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "api/worker_pool.h"
 #include "lidar_mapping/motion_state.h"
 #include "lidar_mapping/scan_sampling.h"
 #include "lidar_mapping/surface_map.h"
@@ -14,14 +15,27 @@ struct RegistrationSettings {
     double loss_scale = 2;  ///< residual in standard deviations from which on it counts less (Cauchy)
     int iterations = 12;
     double enough_m = 5e-4, enough_rad = 5e-5;
+    /// A direction that the scan holds no better than this is not observed; a turn counts by what it moves at
+    /// the mean range.
+    double sigma_degenerate_m = 0.1;
+};
+
+/// Directions of motion of which the surroundings say nothing, as on a level field or along a tunnel (after
+/// Zhang, Kaess, Singh 2016, "On degeneracy of optimization-based state estimation problems").
+struct Degeneracy {
+    int free_directions = 0;
+    double weakest_sigma_m = 0;  ///< along the weakest direction, by the scan alone
+    Eigen::Matrix<double, 6, 1> weakest = Eigen::Matrix<double, 6, 1>::Zero();  ///< that direction
 };
 
 struct Registration {
     MotionState state;  ///< in the middle of the sweep
     /// Of the sweep alone: (shift, turn) along map axes, about the vehicle's own position.
     Matrix6d information = Matrix6d::Zero();
+    Degeneracy degeneracy;
     double fit = 0;  ///< part of the points on a surface
     double rms_sigmas = 0;
+    double support = 0;  ///< number of points on a surface, less the farther off they are
     int used = 0, iterations = 0;
     bool converged = false;
 };
@@ -35,6 +49,7 @@ inline Eigen::Vector3d undistorted(const SweepPoint& point, const Twist3& veloci
 }
 
 Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>& points,
-                            const MotionState& predicted, const RegistrationSettings& settings);
+                            const MotionState& predicted, const RegistrationSettings& settings,
+                            WorkerPool& workers);
 
 }  // namespace loopline::lidar_mapping

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
+#include <cstdlib>
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -115,17 +116,22 @@ void SurfaceMap::fit(const Size& size, Cell& cell) const {
                thick2 = static_cast<float>(settings_.max_thickness_m * settings_.max_thickness_m),
                noise2 = static_cast<float>(settings_.sigma_range_m * settings_.sigma_range_m);
     const Eigen::Vector3f variance_m2 = edge2 * eigen.eigenvalues().cwiseMax(0.0F);
+    // A few returns lie on a plane by chance: those of a lidar as it is known are put beside them.
+    const auto with_noise = [&](float scatter_m2) {
+        constexpr float known = 2;
+        return (n * scatter_m2 + known * noise2) / (n + known);
+    };
     const Eigen::Matrix3f& axes = eigen.eigenvectors();
     cell.kind = SurfaceKind::none;
     if (variance_m2[0] < thick2 && variance_m2[1] > 4 * std::max(variance_m2[0], noise2)) {
         cell.kind = SurfaceKind::plane;
         set(cell.direction, axes.col(0));
-        cell.variance_m2 = std::max(variance_m2[0], noise2);
+        cell.variance_m2 = with_noise(variance_m2[0]);
     } else if (variance_m2[1] < thick2 && variance_m2[2] > 9 * std::max(variance_m2[1], noise2) &&
                std::abs(axes(2, 2)) > upright) {
         cell.kind = SurfaceKind::edge;
         set(cell.direction, axes.col(2));
-        cell.variance_m2 = std::max(variance_m2[1], noise2);
+        cell.variance_m2 = with_noise(variance_m2[1]);
     } else {
         return;
     }
@@ -143,16 +149,26 @@ void SurfaceMap::look(const Size& size, const Eigen::Vector3d& p_map_m, SurfaceM
         static_cast<float>(size.edge_m) * (place_in(p_map_m, size.per_edge, index) - vector(cell->sum) / n);
     const Eigen::Vector3f direction = vector(cell->direction), along = vector(cell->along);
     const float a_m = along.dot(offset_m);
+    const Eigen::Vector3f beside = direction.cross(along);
     float leverage = 1 + a_m * a_m * cell->per_along_m2;
     if (cell->kind == SurfaceKind::plane) {
-        const float b_m = direction.cross(along).dot(offset_m);
+        const float b_m = beside.dot(offset_m);
         leverage += b_m * b_m * cell->per_beside_m2;
     }
-    const float of_surface_m2 = cell->variance_m2 * leverage / n;
+    const float per_return_m2 = cell->variance_m2 / n, of_surface_m2 = per_return_m2 * leverage;
+    static const float TT=getenv("TT")?(float)atof(getenv("TT")):0.1F;
+    if (cell->kind == SurfaceKind::plane && per_return_m2 * cell->per_beside_m2 > TT*TT) return;
     if (of_surface_m2 > static_cast<float>(settings_.max_sigma_m * settings_.max_sigma_m)) return;
     const float variance_m2 = cell->variance_m2 + of_surface_m2;
     if (best.kind != SurfaceKind::none && variance_m2 >= best.variance_m2) return;
-    best = {cell->kind, direction, offset_m, variance_m2};
+    best = {cell->kind,
+            direction,
+            offset_m,
+            variance_m2,
+            along,
+            beside,
+            per_return_m2 * cell->per_along_m2,
+            per_return_m2 * cell->per_beside_m2};
 }
 
 SurfaceMatch SurfaceMap::find(const Eigen::Vector3d& p_map_m) const {
@@ -186,6 +202,13 @@ void SurfaceMap::keep_around(const Eigen::Vector3d& p_map_m) {
         const VoxelIndex around = index_of(size, p_map_m);
         rebuild(size, size.table.size(), &around,
                 static_cast<int>(settings_.keep_radius_m * size.per_edge) + 1);
+    }
+}
+
+void SurfaceMap::clear() {
+    for (Size& size : sizes_) {
+        size.table.assign(first_slots, {});
+        size.used = 0;
     }
 }
 

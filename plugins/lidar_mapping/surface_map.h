@@ -21,11 +21,14 @@ struct SurfaceMatch {
     /// Of a return about the surface there: its scatter, and what the surface itself is uncertain by, more the
     /// farther off it is from the returns that it was made of.
     float variance_m2 = 0;
+    /// Of a plane: two directions in it, and the variances of the normal's error towards each.
+    Eigen::Vector3f along_map, beside_map;
+    float turn_along = 0, turn_beside = 0;
 };
 
 struct SurfaceMapSettings {
     double cell_m = 0.5;  ///< edge of the smallest cubes; each next size is twice as large
-    int sizes = 3;
+    int sizes = 2;
     int min_returns = 6;           ///< in different parts of a cube
     double sigma_range_m = 0.02;   ///< no surface is known to be flatter than this
     double max_thickness_m = 0.1;  ///< standard deviation about a plane or an edge
@@ -46,6 +49,7 @@ class SurfaceMap {
     /// Forgets what is farther than `keep_radius_m`.
     void keep_around(const Eigen::Vector3d& p_map_m);
 
+    void clear();
     std::size_t cells() const;
     std::size_t bytes() const;
 

@@ -12,6 +12,7 @@ struct SweepMappingSettings {
     double map_voxel_m = 0.25;  ///< of the returns that go to the map
     double match_voxel_m = 1;   ///< of those that are matched
     double forget_every_m = 10;
+    double first_speed_step_mps = 2, first_speed_max_mps = 36;  ///< that are tried for the first motion
     MotionNoise motion;
     SurfaceMapSettings map;
     RegistrationSettings registration;
@@ -19,23 +20,30 @@ struct SweepMappingSettings {
 
 class SweepMapping {
  public:
-    explicit SweepMapping(const SweepMappingSettings& settings)
-        : settings_(settings), map_(settings.map) {}
+    SweepMapping(const SweepMappingSettings& settings, int threads)
+        : settings_(settings), map_(settings.map), workers_(threads) {}
 
     const Registration& add(const lidar::SpinningScan& scan);
     const SurfaceMap& map() const { return map_; }
     const std::vector<SweepPoint>& matched() const { return matched_; }
 
  private:
-    void add_to_map();
+    template <class Archive>
+    friend void fields(Archive&, SweepMapping&);
+    void begin();
+    void follow_first(double duration_s);
+    void add_to_map(const std::vector<SweepPoint>& points, const MotionState& state);
+    void forget();
 
     SweepMappingSettings settings_;
     ScanSampler sampler_;
     SurfaceMap map_;
+    WorkerPool workers_;
     std::vector<SweepPoint> points_, matched_;
     std::vector<Eigen::Vector3d> points_map_m_;
+    std::vector<SweepPoint> first_;  ///< the first sweep, until its motion is known
     Registration last_;
-    bool any_ = false;
+    std::uint64_t sweeps_ = 0;
     StampNs last_ns_ = 0;
     Eigen::Vector3d forgot_at_m_ = Eigen::Vector3d::Zero();
 };
