@@ -196,14 +196,17 @@ void make_frame(const PlanarScan& scan, const SweepMotion& motion, const FrameSe
     frame.points.clear();
     frame.points.reserve(returns.size());
     const double spacing2_m2 = settings.spacing_m * settings.spacing_m;
-    Eigen::Vector2d kept = Eigen::Vector2d::Zero();
+    Eigen::Vector2d kept = Eigen::Vector2d::Zero(), placed = kept;
     for (std::size_t i = 0; i < returns.size(); ++i) {
         const Eigen::Vector2d& point = returns.point_m(i);
         if (!returns.begins_chain(i) && (point - kept).squaredNorm() < spacing2_m2) continue;
-        kept = point;
         const FittedSurface surface = returns.surface_at(i);
-        const Eigen::Vector2d &normal = surface.normal,
-                              p = point + normal.dot(surface.mean_m - point) * normal;
+        // The middle of what was fitted, which at the end of a wall lies to one side of the return: there
+        // place and direction of the line err together, and that would draw a scan back along its turn.
+        const Eigen::Vector2d &normal = surface.normal, &p = surface.exists() ? surface.mean_m : point;
+        if (!returns.begins_chain(i) && (p - placed).squaredNorm() < 0.25 * spacing2_m2) continue;
+        kept = point;
+        placed = p;
         frame.points.push_back(
             {Eigen::Vector2f(static_cast<float>(scan.T_base_sensor.x_m + c * p.x() - s * p.y()),
                              static_cast<float>(scan.T_base_sensor.y_m + s * p.x() + c * p.y())),

@@ -18,6 +18,15 @@ struct ForwardSettings {
     /// Part of the returns on a surface, below which the motion alone counts: among furniture that was moved,
     /// a third of any scan comes to lie on some surface.
     double min_fit = 0.4;
+    /// And so it does if the distances of the returns from their surfaces are more than this part of the
+    /// reach: by chance alone they would be evenly spread over it, and their RMS 0.58 of it.
+    double max_rms_reach = 0.4;
+    /// Wheels slip, and stamps are wrong now and then: a scan of which less than this part fits is searched
+    /// for once more, so many times as far around and no less than so far. It is there if it fits better by
+    /// so much.
+    double good_fit = 0.6, better_fit = 0.15;
+    double wider_window = 4, wider_least_m = 0.3, wider_least_rad = 10 * M_PI / 180;
+    double wider_min_likelihood = 0.5;
     double sigma_degenerate_m = 0.3;  ///< a direction that the scan holds no better than this is not observed
     grid_map::RefinementSettings refinement;
 };
@@ -28,6 +37,8 @@ struct ForwardMatch {
         Eigen::Matrix3d::Zero();  ///< of (x, y, phi) about the map around it, map axes
     double fit = 0;
     bool matched = false;  ///< else the motion alone counts
+    bool motion_was_wrong =
+        false;  ///< matched where the motion had not led, farther off than its noise explains
     /// What the scan sees is new, and went into the map where the motion led: from here on the pose is as
     /// right as the map around it.
     bool begins_map = false;

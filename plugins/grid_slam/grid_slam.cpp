@@ -50,6 +50,7 @@ ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction,
                                  settings_.forward);
     unmatched_ += result.match.matched ? 0 : 1;
     degenerate_ += result.match.degeneracy.free_directions > 0 ? 1 : 0;
+    if (result.match.motion_was_wrong) trust_motion_less(prediction.T_map_base, result.match.T_map_base);
     const std::uint32_t frames = map_.size();
     settle_on_frame(result.match);
     result.match.begins_map = !result.match.matched && map_.size() > frames &&
@@ -64,6 +65,16 @@ void GridSlam::ride(std::uint32_t frame, const Pose2& T_frame_base, const Eigen:
     latest_.T_frame_base = T_frame_base;
     Eigen::Map<Eigen::Matrix3d>{latest_.covariance} = covariance;
     places_.push_back(latest_);
+}
+
+/// The motion erred by what the scan was found off, whatever its noise may be.
+void GridSlam::trust_motion_less(const Pose2& T_map_predicted, const Pose2& T_map_base) {
+    ++motions_refused_;
+    const Eigen::Vector3d off(T_map_base.x_m - T_map_predicted.x_m, T_map_base.y_m - T_map_predicted.y_m,
+                              wrap_to_pi(T_map_base.phi_rad - T_map_predicted.phi_rad));
+    const Eigen::Matrix3d squared = off * off.transpose();
+    since_frame_.covariance += turned(squared, -map_.poses[rides_on()].phi_rad);
+    since_last_frame_.covariance += turned(squared, -map_.poses.back().phi_rad);
 }
 
 /// The scan rides on the frame it rode on before, or on another one that is nearer, or becomes a frame

@@ -100,6 +100,8 @@ class GridSlam {
     /// or is replaced.
     void set_reverse_navigation(ReverseNavigation* navigation) { reverse_navigation_ = navigation; }
     std::uint64_t unmatched() const { return unmatched_; }
+    /// Motions that scans, found farther off than their noise explains, have shown to be wrong.
+    std::uint64_t motions_refused() const { return motions_refused_; }
     std::uint64_t degenerate() const { return degenerate_; }
     const Linker& linker() const { return linker_; }
 
@@ -116,6 +118,7 @@ class GridSlam {
     /// The frame of the latest scan.
     std::uint32_t rides_on() const { return static_cast<std::uint32_t>(latest_.frame); }
     void ride(std::uint32_t frame, const Pose2& T_frame_base, const Eigen::Matrix3d& covariance);
+    void trust_motion_less(const Pose2& T_map_predicted, const Pose2& T_map_base);
     void settle_on_frame(const ForwardMatch& match);
     std::optional<std::uint32_t> near_frame(const Pose2& T_map_base) const;
     void add_frame(const ForwardMatch& match);
@@ -148,12 +151,12 @@ class GridSlam {
     std::optional<GraphOptimiser> correction_;
     std::size_t correction_frames_ = 0;
     bool relink_after_ = false;
-    Constraint loop_;                 ///< that the correction under way is for
-    StampNs stamp_ns_ = 0;            ///< of the scan at hand
-    Motion since_last_frame_;         ///< since the latest frame was made
+    Constraint loop_;          ///< that the correction under way is for
+    StampNs stamp_ns_ = 0;     ///< of the scan at hand
+    Motion since_last_frame_;  ///< since the latest frame was made
     std::vector<Correction> corrections_;
     ReverseNavigation* reverse_navigation_ = nullptr;
-    std::uint64_t unmatched_ = 0, degenerate_ = 0;
+    std::uint64_t unmatched_ = 0, degenerate_ = 0, motions_refused_ = 0;
     std::vector<Eigen::Matrix3d> frame_covariances_;  ///< after finish()
 };
 

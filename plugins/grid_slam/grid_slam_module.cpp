@@ -139,6 +139,7 @@ void GridSlamModule::finish(Results& results) {
     metrics["map_frames"] = static_cast<std::int64_t>(slam_->map().size());
     metrics["constraints"] = static_cast<std::int64_t>(slam_->constraints().size());
     metrics["scans_unmatched"] = static_cast<std::int64_t>(slam_->unmatched());
+    metrics["motions_refused"] = static_cast<std::int64_t>(slam_->motions_refused());
     metrics["scans_degenerate"] = static_cast<std::int64_t>(slam_->degenerate());
     scans_.report(metrics);
 }

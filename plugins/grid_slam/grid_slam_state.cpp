@@ -4,7 +4,7 @@
 
 namespace loopline {
 namespace {
-constexpr std::uint32_t form_version = 4;
+constexpr std::uint32_t form_version = 5;
 }
 
 namespace grid_slam {
@@ -98,7 +98,8 @@ void fields(Archive& archive, GridSlam& slam) {
     archive(slam.since_frame_, slam.since_last_frame_, slam.stamp_ns_, slam.way_m_, slam.chosen_at_m_);
     fields(archive, slam.correction_, slam.constraints_, slam.settings_.online_graph);
     std::uint64_t correction_frames = slam.correction_frames_;
-    archive(correction_frames, slam.relink_after_, slam.loop_, slam.unmatched_, slam.degenerate_);
+    archive(correction_frames, slam.relink_after_, slam.loop_, slam.unmatched_, slam.degenerate_,
+            slam.motions_refused_);
     archive.each(slam.corrections_, [](auto& a, auto& c) {
         a(c.stamp_ns, c.old_frame, c.frame, c.before, c.after, c.reverse_first, c.reverse, c.T_before_after);
     });

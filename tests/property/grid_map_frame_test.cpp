@@ -71,6 +71,30 @@ TEST(Frame, surfaces_of_exact_walls_are_exact_away_from_corners) {
     EXPECT_LT(without, 0.02 * checked);
 }
 
+TEST(Frame, place_and_direction_of_a_surface_err_apart_at_the_ends_of_walls_too) {
+    // At the end of a wall the window of a return reaches to one side only. Were the surface put where the
+    // return is, a line that is turned would be displaced there as well: by 0.8 of all of it.
+    std::mt19937_64 random(12);
+    const lines_world::World world{{{{2, -0.5}, {2, 0.5}}}, {}};
+    struct Sums {
+        double xy = 0, xx = 0, yy = 0;
+    } low, high;
+    for (int run = 0; run < 2000; ++run) {
+        const Sensor sensor{361, M_PI, {0, 0, 0}, 0.01};
+        const auto frame = grid_map_world::frame_at(world, {}, sensor, random);
+        const auto add = [](const SurfacePoint& p, Sums& sums) {
+            if (!p.has_normal()) return;
+            const double off_m = p.p_base_m.x() - 2, turned = p.normal_base.y();
+            sums.xy += off_m * turned;
+            sums.xx += off_m * off_m;
+            sums.yy += turned * turned;
+        };
+        add(frame.points.front(), low);
+        add(frame.points.back(), high);
+    }
+    for (const Sums& sums : {low, high}) EXPECT_LT(std::abs(sums.xy) / std::sqrt(sums.xx * sums.yy), 0.1);
+}
+
 TEST(Frame, normals_scatter_as_the_noise_lets_them) {
     // A wall at 2 m, seen by 1081 beams: 18 returns and more within 10 cm to both sides, 5 mm of noise.
     std::mt19937_64 random(2);
@@ -140,7 +164,7 @@ TEST(Frame, surfaces_end_at_corners) {
                 distance_m(nearest_wall(world, p.p_base_m.cast<double>()), p.p_base_m.cast<double>()) > 0.003;
         }
     }
-    EXPECT_GT(beside, 500);
+    EXPECT_GT(beside, 450);
     EXPECT_LT(off, 0.01 * beside);
 }
 
@@ -156,8 +180,9 @@ TEST(Frame, keeps_returns_at_the_spacing) {
             const double apart_m = (frame.points[i].p_base_m - frame.points[i - 1].p_base_m).norm();
             const double range_m = frame.points[i].p_base_m.norm(),
                          step_m = range_m * range_m / 2 * 1.5 * M_PI / 1080;
-            EXPECT_GE(apart_m, spacing_m - 1e-4);
-            EXPECT_LE(apart_m, std::max(spacing_m, step_m) + step_m + 1e-3);
+            // The middles of surfaces, whose windows may reach farther to one side.
+            EXPECT_GE(apart_m, spacing_m / 2 - 1e-4);
+            EXPECT_LE(apart_m, std::max(spacing_m, step_m) + 1.5 * step_m + 1e-3);
         }
     }
 }

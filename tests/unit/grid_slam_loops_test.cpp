@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <map>
 
 #include "grid_slam/active_map.h"
 #include "grid_slam/grid_slam.h"
@@ -158,12 +159,16 @@ struct Path {
     std::vector<Pose2> poses;
     std::vector<Eigen::Matrix3d> covariances;
     std::size_t loops = 0;
+    std::uint64_t motions_refused = 0;
 };
 
-Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed, Weights weights = Weights::joint) {
+/// `slips`: what wheels say too much between a scan and the next one, many times their noise.
+Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed, Weights weights = Weights::joint,
+                  const std::map<std::size_t, Pose2>& slips = {}) {
     std::mt19937_64 random(seed);
     const auto world = test::ring_building();
-    const auto motions = test::noisy_motions(truth, {0.01, 0.01, 0.3 * deg}, random);
+    auto motions = test::noisy_motions(truth, {0.01, 0.01, 0.3 * deg}, random);
+    for (const auto& [k, slip] : slips) motions[k].T_before_now = motions[k].T_before_now * slip;
     GridSlamSettings settings;
     settings.weights = weights;
     settings.active.sigma_m = 0.05;  // what is behind is soon too uncertain to match with
@@ -171,9 +176,18 @@ Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed, Weights w
     test::map_drive(slam, world, truth, motions, sensor_270, stamp, random);
     Path path;
     slam.path(path.poses, path.covariances);
+    path.motions_refused = slam.motions_refused();
     for (const LoopRecord& record : slam.loops())
         path.loops += record.decision == LoopRecord::Decision::accepted;
     return path;
+}
+
+double rmse_m(const Path& path, const std::vector<Pose2>& truth) {
+    const Pose2 T_map_world = truth[0].inverse();
+    double squares = 0;
+    for (std::size_t k = 0; k < truth.size(); ++k)
+        squares += (path.poses[k].translation() - (T_map_world * truth[k]).translation()).squaredNorm();
+    return std::sqrt(squares / static_cast<double>(truth.size()));
 }
 
 TEST(GridSlam, gives_the_path_of_a_ring_and_the_same_bytes_each_time) {
@@ -181,10 +195,9 @@ TEST(GridSlam, gives_the_path_of_a_ring_and_the_same_bytes_each_time) {
     const Path path = path_of_ring(truth, 1), again = path_of_ring(truth, 1);
     ASSERT_EQ(path.poses.size(), truth.size());
     const Pose2 T_map_world = truth[0].inverse();
-    double squares = 0, worst_rad = 0;
+    double worst_rad = 0;
     for (std::size_t k = 0; k < truth.size(); ++k) {
         const Pose2 T = T_map_world * truth[k];
-        squares += (path.poses[k].translation() - T.translation()).squaredNorm();
         worst_rad = std::max(worst_rad, std::abs(wrap_to_pi(path.poses[k].phi_rad - T.phi_rad)));
         EXPECT_EQ(path.poses[k].x_m, again.poses[k].x_m);
         EXPECT_EQ(path.poses[k].y_m, again.poses[k].y_m);
@@ -192,20 +205,29 @@ TEST(GridSlam, gives_the_path_of_a_ring_and_the_same_bytes_each_time) {
         EXPECT_EQ(path.covariances[k], again.covariances[k]);
         EXPECT_GE(path.covariances[k].diagonal().minCoeff(), 0);
     }
-    EXPECT_LT(std::sqrt(squares / static_cast<double>(truth.size())), 0.02);
+    EXPECT_LT(rmse_m(path, truth), 0.02);
     EXPECT_LT(worst_rad, 0.3 * deg);
     EXPECT_GE(path.loops, 1U);
 }
 
+TEST(GridSlam, finds_scans_again_where_wheels_slipped_far_beyond_their_noise) {
+    const auto truth = test::drive_along(once_around, 0.1, 5 * deg);
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        const Path path = path_of_ring(truth, seed, Weights::joint,
+                                       {{60, {0, 0, 6 * deg}},
+                                        {110, {0.18, 0, 0}},
+                                        {170, {0, 0, -8 * deg}},
+                                        {260, {-0.1, 0.1, 5 * deg}}});
+        EXPECT_LT(rmse_m(path, truth), 0.02) << "seed " << seed;
+        EXPECT_EQ(path.motions_refused, 4U) << "seed " << seed;
+    }
+}
+
 TEST(GridSlam, corrects_a_ring_by_going_back_through_it) {
     const auto truth = test::drive_along(once_around, 0.1, 5 * deg);
-    const Pose2 T_map_world = truth[0].inverse();
     for (const Weights weights : {Weights::linear, Weights::covariance}) {
         const Path path = path_of_ring(truth, 1, weights);
-        double squares = 0;
-        for (std::size_t k = 0; k < truth.size(); ++k)
-            squares += (path.poses[k].translation() - (T_map_world * truth[k]).translation()).squaredNorm();
-        EXPECT_LT(std::sqrt(squares / static_cast<double>(truth.size())), 0.03);
+        EXPECT_LT(rmse_m(path, truth), 0.03);
         EXPECT_GE(path.loops, 1U);
     }
 }
