@@ -6,8 +6,8 @@
 
 namespace loopline {
 
-/// Of a `List` with value_type and operator[]; for loops, and for algorithms that only read. The list outlives
-/// it.
+/// Of a `List` with value_type and operator[]; for loops, and for algorithms that only read. The list
+/// outlives it.
 template <class List>
 class IndexIterator {
  public:

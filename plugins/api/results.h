@@ -89,8 +89,9 @@ class FramePoints {
     FramePoints() = default;
     FramePoints(std::size_t frames, std::function<Points(std::size_t frame)> points_of)
         : frames_(frames), points_of_(std::move(points_of)) {}
-    FramePoints(std::vector<Points> points)
-        : FramePoints(points.size(), [all = std::move(points)](std::size_t frame) { return all[frame]; }) {}
+    FramePoints(std::vector<Points> points) : frames_(points.size()) {
+        points_of_ = [all = std::move(points)](std::size_t frame) { return all[frame]; };
+    }
 
     std::size_t size() const { return frames_; }
     Points operator[](std::size_t frame) const { return points_of_(frame); }

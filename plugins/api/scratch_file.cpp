@@ -26,8 +26,7 @@ std::uint32_t checksum_of(std::uint32_t before, const std::byte* data, std::size
 /// All of them, or false.
 bool read_all(int descriptor, std::uint64_t offset, std::byte* data, std::size_t size) {
     for (std::size_t done = 0; done < size;) {
-        const ssize_t got =
-            ::pread(descriptor, data + done, size - done, static_cast<off_t>(offset + done));
+        const ssize_t got = ::pread(descriptor, data + done, size - done, static_cast<off_t>(offset + done));
         if (got < 0 && errno == EINTR) continue;
         if (got <= 0) return false;
         done += static_cast<std::size_t>(got);
@@ -42,6 +41,14 @@ ScratchFile::ScratchFile(std::size_t record_bytes)
 
 ScratchFile::~ScratchFile() {
     close();
+}
+
+ScratchFile::ScratchFile(const ScratchFile& other) : ScratchFile(other.record_bytes_) {
+    for (std::uint64_t i = 0; i < other.size(); ++i) append(other.at(i));
+}
+
+ScratchFile& ScratchFile::operator=(const ScratchFile& other) {
+    return *this = ScratchFile(other);
 }
 
 ScratchFile::ScratchFile(ScratchFile&& other) noexcept : ScratchFile(other.record_bytes_) {

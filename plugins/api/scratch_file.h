@@ -19,6 +19,9 @@ class ScratchFile {
  public:
     explicit ScratchFile(std::size_t record_bytes);
     ~ScratchFile();
+    /// A copy is in memory.
+    ScratchFile(const ScratchFile& other);
+    ScratchFile& operator=(const ScratchFile& other);
     ScratchFile(ScratchFile&& other) noexcept;
     ScratchFile& operator=(ScratchFile&& other) noexcept;
 

@@ -1,5 +1,5 @@
-/// The scans that make the map, as a list that may lie on disk: they are most of the memory of a long run, and
-/// few of them are in use at a time.
+/// The scans that make the map, as a list that may lie on disk: they are most of the memory of a long run,
+/// and few of them are in use at a time.
 #pragma once
 
 #include <array>

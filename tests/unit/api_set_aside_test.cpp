@@ -84,6 +84,9 @@ TEST(SetAside, gives_back_in_any_order_what_was_appended_and_set) {
         for (const std::uint64_t k : {0U, 1U, 7777U, 19999U}) EXPECT_EQ(list[k].value, -1);
         for (std::uint64_t k = 2000; k < 7000; ++k) ASSERT_EQ(list[k].number, k);
         EXPECT_EQ(list[7777].value, -1);
+        List copy = list;
+        copy.set(7777, item(7777));
+        EXPECT_EQ(copy[7777].value, item(7777).value);
         List moved = std::move(list);
         EXPECT_EQ(moved[7777].value, -1);
         EXPECT_EQ(moved.size(), 20000u);

@@ -38,7 +38,7 @@ class Walker : public Module {
         results.metrics["walked"] = static_cast<std::int64_t>(path_.size());
     }
     const Trajectory* trajectory() const override { return &path_; }
-    mrpt::rtti::CObject* clone() const override { return new Walker; }
+    mrpt::rtti::CObject* clone() const override { return new Walker(*this); }
 
  private:
     std::string name_;

@@ -49,7 +49,8 @@ Pose3 spatial_alignment(const Pairs& pairs) {
 template <class Pairs>
 bool all_planar(const Pairs& pairs) {
     if (pairs.empty()) return true;
-    const Pose3 first_estimate = pairs[0].T_map_base_estimate, first_reference = pairs[0].T_ref_base_reference;
+    const Pose3 first_estimate = pairs[0].T_map_base_estimate,
+                first_reference = pairs[0].T_ref_base_reference;
     return std::all_of(pairs.begin(), pairs.end(), [&](const PosePair& pair) {
         const Pose3 &estimate = pair.T_map_base_estimate, &reference = pair.T_ref_base_reference;
         return is_level(estimate.rotation) && is_level(reference.rotation) &&

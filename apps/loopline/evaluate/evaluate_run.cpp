@@ -16,19 +16,20 @@ bool is_finite(const Pose3& pose) {
     return pose.translation_m.allFinite() && pose.rotation.coeffs().allFinite();
 }
 
-/// Latest revision of the finite poses, each with that of the truth; estimate_index is that of the trajectory.
+/// Latest revision of the finite poses, each with that of the truth; estimate_index is that of the
+/// trajectory.
 void pair_with_truth(const Trajectory& trajectory, const EvaluationReference& reference, PosePairs& pairs) {
     const Pose3 T_base_point(Pose2{reference.truth_point_m.x(), reference.truth_point_m.y(), 0});
     const bool moved = !reference.truth_has_orientation && !reference.truth_point_m.isZero();
-    ReferencePoses truth(reference.truth, max_difference_s,
-                         reference.truth_has_orientation ? ReferencePoses::Kind::poses
-                                                         : ReferencePoses::Kind::positions);
+    ReferencePoses truth(
+        reference.truth, max_difference_s,
+        reference.truth_has_orientation ? ReferencePoses::Kind::poses : ReferencePoses::Kind::positions);
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
         const TrajectoryEntry entry = trajectory[i];
         if (!is_finite(entry.T_map_base)) continue;
         if (const auto true_pose = truth.at(entry.stamp_ns))
-            pairs.push_back({entry.stamp_ns, i, moved ? entry.T_map_base * T_base_point : entry.T_map_base,
-                             *true_pose});
+            pairs.push_back(
+                {entry.stamp_ns, i, moved ? entry.T_map_base * T_base_point : entry.T_map_base, *true_pose});
     }
 }
 
