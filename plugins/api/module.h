@@ -7,6 +7,7 @@
 #include <mrpt/rtti/CObject.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,9 @@ struct RunContext {
     int threads = 1;          ///< at most; the result must not depend on it
     std::uint64_t seed = 0;   ///< for whatever draws random numbers
     bool calibrates = false;  ///< the run is for Results::calibrations
+    /// For files of what only the end of the run needs (see api/set_aside.h), which a checkpoint may refer to;
+    /// made with the first of them, gone after the run. Empty: it stays in memory.
+    std::filesystem::path scratch_folder;
 };
 
 /// Common to everything that a plugin offers by name: parameters, bound to the object that holds them.

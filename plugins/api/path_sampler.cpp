@@ -7,12 +7,12 @@ namespace loopline {
 
 PathSampler::PathSampler(const Trajectory& trajectory, double max_gap_s)
     : trajectory_(&trajectory), max_gap_s_(max_gap_s) {
-    const auto& entries = trajectory.entries();
-    if (entries.empty()) return;
-    const auto [first, last] = std::minmax_element(
-        entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.stamp_ns < b.stamp_ns; });
-    first_ns_ = first->stamp_ns;
-    last_ns_ = last->stamp_ns;
+    bool first = true;
+    for (const TrajectoryEntry& entry : trajectory.entries()) {
+        first_ns_ = first ? entry.stamp_ns : std::min(first_ns_, entry.stamp_ns);
+        last_ns_ = first ? entry.stamp_ns : std::max(last_ns_, entry.stamp_ns);
+        first = false;
+    }
 }
 
 std::optional<Pose3> PathSampler::at(StampNs stamp_ns, std::uint64_t hint_sequence) {
@@ -22,8 +22,8 @@ std::optional<Pose3> PathSampler::at(StampNs stamp_ns, std::uint64_t hint_sequen
         const auto left = trajectory_->enclosing(stamp_ns, hint_sequence);
         if (!left) return std::nullopt;
         hint_ = hint_sequence;
-        const auto& entries = trajectory_->entries();
-        const auto &a = entries[*left], &b = entries[std::min(*left + 1, entries.size() - 1)];
+        const TrajectoryEntry a = (*trajectory_)[*left],
+                              b = (*trajectory_)[std::min(*left + 1, trajectory_->size() - 1)];
         std::tie(low_ns_, high_ns_) = std::minmax(a.stamp_ns, b.stamp_ns);
         const auto is_finite = [](const TrajectoryEntry& e) {
             return e.T_map_base.translation_m.allFinite() && e.T_map_base.rotation.coeffs().allFinite();

@@ -24,6 +24,8 @@ class PoseCovariance {
     Matrix6d matrix() const;
     /// That of (x y yaw).
     Eigen::Matrix3d planar() const;
+    /// Whether the rest is zero.
+    bool is_planar() const { return spatial_ == nullptr; }
     bool is_finite() const { return spatial_ ? spatial_->allFinite() : planar_.allFinite(); }
 
  private:

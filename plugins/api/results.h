@@ -4,10 +4,13 @@
 #include <mrpt/serialization/CSerializable.h>
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -79,6 +82,25 @@ struct PathCorrection {
     std::vector<Pose2> reverse;           ///< the path found by going back from the loop's end; empty if none was
 };
 
+/// Points of many frames, put together when they are asked for. What they are taken from outlives this.
+class FramePoints {
+ public:
+    using Points = std::vector<Eigen::Vector2f>;
+    FramePoints() = default;
+    FramePoints(std::size_t frames, std::function<Points(std::size_t frame)> points_of)
+        : frames_(frames), points_of_(std::move(points_of)) {}
+    FramePoints(std::vector<Points> points) : frames_(points.size()) {
+        points_of_ = [all = std::move(points)](std::size_t frame) { return all[frame]; };
+    }
+
+    std::size_t size() const { return frames_; }
+    Points operator[](std::size_t frame) const { return points_of_(frame); }
+
+ private:
+    std::size_t frames_ = 0;
+    std::function<Points(std::size_t)> points_of_;
+};
+
 struct Results {
     std::map<std::string, MetricValue> metrics;  ///< sorted: the same run writes the same bytes
     std::optional<LineMap> line_map;
@@ -87,7 +109,7 @@ struct Results {
     std::optional<PoseGraph> pose_graph;
     std::vector<PathCorrection> corrections;  ///< in the order of the log
     /// Of each frame that makes the map: its returns in the vehicle's frame, to draw the map by other poses.
-    std::vector<std::vector<Eigen::Vector2f>> frame_points_base_m;
+    FramePoints frame_points_base_m;
     std::vector<Calibration> calibrations;  ///< by modules that can_calibrate(), where the run is for it
     std::vector<std::string> warnings;       ///< sentences on what a user should look at
     /// Set, with one sentence, by a module whose estimate diverged or must be refused: exit code 4.

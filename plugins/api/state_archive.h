@@ -22,6 +22,12 @@
 
 namespace loopline {
 
+/// An archive is also this if all of a state must be in it: then it refers to no file beside it.
+class HoldsEverything {
+ public:
+    virtual ~HoldsEverything() = default;
+};
+
 /// Writes, or reads if `is_reading`. Reading throws std::exception if the bytes end early or are of another
 /// form; else they are trusted, since the checksum of the checkpoint was right.
 template <bool is_reading>
@@ -51,6 +57,7 @@ class StateArchive {
         for (auto& x : container) element(*this, x);
     }
 
+    bool holds_everything() const { return dynamic_cast<const HoldsEverything*>(&archive_) != nullptr; }
     /// For what MRPT itself writes and reads.
     mrpt::serialization::CArchive& archive() { return archive_; }
 

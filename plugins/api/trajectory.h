@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <optional>
-#include <vector>
 
 #include "api/pose3.h"
+#include "api/pose3_record.h"
 #include "api/pose_covariance.h"
+#include "api/set_aside.h"
 #include "api/stamp.h"
 
 namespace loopline {
@@ -25,12 +28,33 @@ struct TrajectoryEntry {
 /// and the stamp only serves for interpolation between neighbours in that order.
 class Trajectory {
  public:
-    /// Makes room for so many poses: without it, each doubling touches all of the memory again.
-    void reserve(std::size_t poses) { entries_.reserve(poses); }
+    using value_type = TrajectoryEntry;
+    /// Its entries in order; each is put together when it is asked for.
+    class Entries {
+     public:
+        using const_iterator = IndexIterator<Trajectory>;
+        explicit Entries(const Trajectory& trajectory) : trajectory_(&trajectory) {}
+        TrajectoryEntry operator[](std::size_t index) const { return (*trajectory_)[index]; }
+        std::size_t size() const { return trajectory_->size(); }
+        TrajectoryEntry front() const { return (*this)[0]; }
+        TrajectoryEntry back() const { return (*this)[size() - 1]; }
+        const_iterator begin() const { return {*trajectory_, 0}; }
+        const_iterator end() const { return {*trajectory_, size()}; }
+
+     private:
+        const Trajectory* trajectory_;
+    };
+
+    /// From now on poses lie on disk, in a folder that may still have to be made; in memory if it has no
+    /// name. Only while there are none.
+    void keep_in(const std::filesystem::path& folder) { records_.keep_unseen_in(folder); }
     /// Adds a pose for a later observation than the last one. Online and latest estimate are the same at
     /// first.
     void append(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base,
                 const PoseCovariance& covariance);
+    /// One whose latest estimate is known by now; finish_revision() after the last of them.
+    void append_revised(std::uint64_t sequence, StampNs stamp_ns, const Pose3& T_map_base_online,
+                        const Pose3& T_map_base, const PoseCovariance& covariance);
 
     /// Replaces the last entry, its online estimate too: what was known at the time is known only now.
     void replace_last(const Pose3& T_map_base, const PoseCovariance& covariance);
@@ -46,16 +70,15 @@ class Trajectory {
     void set_known_from(std::size_t index) { known_from_ = index; }
     std::size_t known_from() const { return known_from_; }
 
-    const std::vector<TrajectoryEntry>& entries() const { return entries_; }
+    Entries entries() const { return Entries(*this); }
+    TrajectoryEntry operator[](std::size_t index) const;
     /// What was known at the time of entry `index`, before any later revision.
-    const Pose3& T_map_base_online(std::size_t index) const {
-        return online_.empty() ? entries_[index].T_map_base : online_[index];
-    }
-    bool empty() const { return entries_.empty(); }
-    std::size_t size() const { return entries_.size(); }
+    Pose3 T_map_base_online(std::size_t index) const;
+    bool empty() const { return size() == 0; }
+    std::size_t size() const { return records_.size(); }
 
-    /// The entry of an observation, or null if that observation has no pose.
-    const TrajectoryEntry* find(std::uint64_t sequence) const;
+    /// The entry of an observation; `nullopt` if that observation has no pose.
+    std::optional<TrajectoryEntry> find(std::uint64_t sequence) const;
 
     /// The entry that encloses a time together with the next one (or alone, if it is the last), nearest to
     /// `hint_sequence`; `nullopt` outside of the trajectory.
@@ -69,8 +92,19 @@ class Trajectory {
     double length_m() const;
 
  private:
-    std::vector<TrajectoryEntry> entries_;
-    std::vector<Pose3> online_;  ///< beside them; empty as long as nothing was revised
+    /// An entry as it lies on disk.
+    struct Record {
+        std::uint64_t sequence = 0;
+        StampNs stamp_ns = 0;
+        Pose3Record T_map_base, T_map_base_online;
+        double covariance[9] = {};  ///< of (x y yaw), unless all of it is in spatial_
+    };
+    void set_covariance(std::size_t index, const PoseCovariance& covariance, Record& record);
+    /// Index of the first entry whose sequence is not less.
+    std::size_t not_before(std::uint64_t sequence) const;
+
+    SetAside<Record> records_;
+    std::map<std::size_t, PoseCovariance> spatial_;  ///< covariances that are not planar, by index
     std::uint64_t revision_ = 0;
     std::size_t known_from_ = 0;
 };

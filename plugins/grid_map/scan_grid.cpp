@@ -93,13 +93,11 @@ void ScanGrid::raise_likelihood(CellIndex cell) {
 
 void ScanGrid::raise_bounds(int x, int y, std::uint8_t value) {
     for (int h = 1; h < levels; ++h) {
-        const int bx = x >> h, by = y >> h;
         bool raised = false;
-        for (int k = 0; k < 4; ++k) {
-            std::uint8_t& bound = likelihood_[h].at(bx - (k & 1), by - (k >> 1));
+        likelihood_[h].write_square(x >> h, y >> h, [&](std::uint8_t& bound) {
             raised = raised || bound < value;
             bound = std::max(bound, value);
-        }
+        });
         if (!raised) break;  // then no coarser one is raised either
     }
 }

@@ -58,6 +58,17 @@ class SparseArray {
         }
     }
 
+    /// visit(cell) for the cells (x, y), (x - 1, y), (x, y - 1) and (x - 1, y - 1), for writing.
+    template <class Visit>
+    void write_square(int x, int y, const Visit& visit) {
+        T* cell = &at(x, y);
+        visit(*cell);
+        const bool in_one_tile = (x & (tile_side - 1)) > 0 && (y & (tile_side - 1)) > 0;
+        visit(in_one_tile ? cell[-1] : at(x - 1, y));
+        visit(in_one_tile ? cell[-tile_side] : at(x, y - 1));
+        visit(in_one_tile ? cell[-tile_side - 1] : at(x - 1, y - 1));
+    }
+
     /// visit(x, y, cell) for the cells from (x0, y0) to (x1, y1), both included, that are in a tile; row by
     /// row within each tile.
     template <class Visit>

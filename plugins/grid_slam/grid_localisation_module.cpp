@@ -52,7 +52,8 @@ std::vector<std::string> GridLocalisationModule::input_files() const {
     return {yaml.string(), map.image.string()};
 }
 
-void GridLocalisationModule::start(const RunContext&) {
+void GridLocalisationModule::start(const RunContext& context) {
+    trajectory_.keep_in(context.scratch_folder);
     MapServerMap map;
     std::string problem;
     if (!read_map(map_path_, map, problem)) throw std::runtime_error(problem);
@@ -95,12 +96,9 @@ void GridLocalisationModule::lay_out_trajectory() {
     if (!localisation_->ever_known()) return;
     const auto& poses = localisation_->poses();
     const auto& covariances = localisation_->covariances();
-    trajectory_.reserve(online_.size());
     for (std::size_t k = 0; k < online_.size(); ++k)
-        trajectory_.append(online_[k].sequence, online_[k].stamp_ns, Pose3(online_[k].T_map_base),
-                           PoseCovariance::planar(covariances[k]));
-    for (std::size_t k = 0; k < poses.size(); ++k)
-        trajectory_.revise(k, Pose3(poses[k]), PoseCovariance::planar(covariances[k]));
+        trajectory_.append_revised(online_[k].sequence, online_[k].stamp_ns, Pose3(online_[k].T_map_base),
+                                   Pose3(poses[k]), PoseCovariance::planar(covariances[k]));
     trajectory_.finish_revision();
     trajectory_.set_known_from(localisation_->known_from());
 }

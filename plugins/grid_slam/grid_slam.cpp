@@ -37,7 +37,7 @@ ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction,
         result.match.matched = true;
         result.match.fit = 1;
         add_frame(result.match);
-        places_.push_back({0, Pose2{}, Eigen::Matrix3d::Zero()});
+        ride(0, Pose2{}, Eigen::Matrix3d::Zero());
         decisions_.take_scan(stamp_ns_, 0);
         return result;
     }
@@ -55,9 +55,16 @@ ScanPose GridSlam::add(const PlanarScan& scan, const Prediction& prediction,
     settle_on_frame(result.match);
     result.match.begins_map = !result.match.matched && map_.size() > frames &&
                               static_cast<int>(frame_.points.size()) >= settings_.forward.min_returns;
-    decisions_.take_scan(stamp_ns_, places_.back().frame);
-    result.T_map_base = map_.poses[places_.back().frame] * places_.back().T_frame_base;
+    decisions_.take_scan(stamp_ns_, rides_on());
+    result.T_map_base = map_.poses[rides_on()] * latest_.T_frame_base;
     return result;
+}
+
+void GridSlam::ride(std::uint32_t frame, const Pose2& T_frame_base, const Eigen::Matrix3d& covariance) {
+    latest_.frame = frame;
+    latest_.T_frame_base = T_frame_base;
+    Eigen::Map<Eigen::Matrix3d>{latest_.covariance} = covariance;
+    places_.push_back(latest_);
 }
 
 /// The motion erred by what the scan was found off, whatever its noise may be.
@@ -66,7 +73,7 @@ void GridSlam::trust_motion_less(const Pose2& T_map_predicted, const Pose2& T_ma
     const Eigen::Vector3d off(T_map_base.x_m - T_map_predicted.x_m, T_map_base.y_m - T_map_predicted.y_m,
                               wrap_to_pi(T_map_base.phi_rad - T_map_predicted.phi_rad));
     const Eigen::Matrix3d squared = off * off.transpose();
-    since_frame_.covariance += turned(squared, -map_.poses[places_.back().frame].phi_rad);
+    since_frame_.covariance += turned(squared, -map_.poses[rides_on()].phi_rad);
     since_last_frame_.covariance += turned(squared, -map_.poses.back().phi_rad);
 }
 
@@ -79,20 +86,20 @@ void GridSlam::settle_on_frame(const ForwardMatch& match) {
                std::abs(T.phi_rad) < settings_.frame_turn_rad;
     };
     const auto ride_on = [&](std::uint32_t frame) {
-        places_.push_back({frame, away(frame), turned(match.covariance, -map_.poses[frame].phi_rad)});
+        ride(frame, away(frame), turned(match.covariance, -map_.poses[frame].phi_rad));
     };
-    const std::uint32_t before = places_.back().frame;
+    const std::uint32_t before = rides_on();
     const bool map_is_right = match.matched && match.fit >= settings_.new_fit;
     const bool named = decisions_.is_named(stamp_ns_);
     if (is_near(away(before)) && !named) return ride_on(before);
     if (map_is_right && !named)
         if (const auto other = near_frame(match.T_map_base)) {
             ride_on(*other);
-            since_frame_ = {places_.back().T_frame_base, places_.back().covariance};
+            since_frame_ = {latest_.T_frame_base, Eigen::Map<const Eigen::Matrix3d>(latest_.covariance)};
             return;
         }
     add_frame(match);
-    places_.push_back({map_.last(), Pose2{}, turned(match.covariance, -map_.poses[map_.last()].phi_rad)});
+    ride(map_.last(), Pose2{}, turned(match.covariance, -map_.poses[map_.last()].phi_rad));
 }
 
 std::optional<std::uint32_t> GridSlam::near_frame(const Pose2& T_map_base) const {
@@ -113,7 +120,7 @@ std::optional<std::uint32_t> GridSlam::near_frame(const Pose2& T_map_base) const
 
 void GridSlam::add_frame(const ForwardMatch& match) {
     const bool first = map_.size() == 0;
-    const std::uint32_t rode_on = first ? 0 : places_.back().frame;
+    const std::uint32_t rode_on = first ? 0 : rides_on();
     const std::uint32_t frame =
         map_.add(frame_, match.T_map_base, way_m_, places_.size(), stamp_ns_, since_last_frame_);
     since_last_frame_ = {};
@@ -292,8 +299,7 @@ Pose2 GridSlam::apply_correction() {
 /// S7: all frames at their corrected poses; those taken since move with the last one, and so does the
 /// vehicle.
 Pose2 GridSlam::take_poses(std::vector<Pose2> corrected) {
-    const std::uint32_t rides_on = places_.back().frame;
-    const Pose2 T_map_frame_before = map_.poses[rides_on];
+    const Pose2 T_map_frame_before = map_.poses[rides_on()];
     const std::size_t last = corrected.size() - 1;
     const Pose2 T_new_old = corrected[last] * map_.poses[last].inverse();
     for (std::size_t k = corrected.size(); k < map_.size(); ++k) map_.poses[k] = T_new_old * map_.poses[k];
@@ -301,7 +307,7 @@ Pose2 GridSlam::take_poses(std::vector<Pose2> corrected) {
     rebuild_neighbourhood();
     active_.choose(map_, neighbourhood_, map_.last());
     loops_.forget_pending();
-    return map_.poses[rides_on] * T_map_frame_before.inverse();
+    return map_.poses[rides_on()] * T_map_frame_before.inverse();
 }
 
 void GridSlam::relink(std::uint32_t from_frame) {
@@ -339,20 +345,25 @@ void GridSlam::finish() {
     frame_covariances_.resize(map_.size(), Eigen::Matrix3d::Zero());
 }
 
+GridSlam::KnownPose GridSlam::latest(std::size_t scan) const {
+    const Place place = places_[scan];
+    const Pose2& T_map_frame = map_.poses[place.frame];
+    const Pose2 T_map_base = T_map_frame * place.T_frame_base;
+    const Eigen::Matrix3d carried = carried_by(T_map_base.translation() - T_map_frame.translation());
+    Eigen::Matrix3d covariance =
+        turned(Eigen::Map<const Eigen::Matrix3d>(place.covariance), T_map_frame.phi_rad);
+    if (place.frame < frame_covariances_.size())
+        covariance += carried * frame_covariances_[place.frame] * carried.transpose();
+    return {T_map_base, covariance};
+}
+
 void GridSlam::path(std::vector<Pose2>& poses, std::vector<Eigen::Matrix3d>& covariances) const {
     poses.clear();
     covariances.clear();
-    poses.reserve(places_.size());
-    covariances.reserve(places_.size());
-    for (const Place& place : places_) {
-        const Pose2& T_map_frame = map_.poses[place.frame];
-        const Pose2 T_map_base = T_map_frame * place.T_frame_base;
-        const Eigen::Matrix3d carried = carried_by(T_map_base.translation() - T_map_frame.translation());
-        Eigen::Matrix3d covariance = turned(place.covariance, T_map_frame.phi_rad);
-        if (place.frame < frame_covariances_.size())
-            covariance += carried * frame_covariances_[place.frame] * carried.transpose();
-        poses.push_back(T_map_base);
-        covariances.push_back(covariance);
+    for (std::size_t scan = 0; scan < scans(); ++scan) {
+        const KnownPose known = latest(scan);
+        poses.push_back(known.T_map_base);
+        covariances.push_back(known.covariance);
     }
 }
 

@@ -3,10 +3,12 @@
 /// rebuilt.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <vector>
 
 #include "api/planar_scan.h"
+#include "api/set_aside.h"
 #include "grid_slam/active_map.h"
 #include "grid_slam/forward_match.h"
 #include "grid_slam/fusion_of_passes.h"
@@ -58,6 +60,12 @@ struct Correction {
 class GridSlam {
  public:
     explicit GridSlam(const GridSlamSettings& settings);
+    /// What is known of each scan, and the frames of the map, go there from now on; they stay in memory if the
+    /// folder has no name. Before the first scan.
+    void keep_in(const std::filesystem::path& folder) {
+        places_.keep_in(folder, "grid_slam_places");
+        map_.frames.keep_in(folder);
+    }
 
     /// Before each scan: closes the loop that was found with the one before, or goes on with a correction
     /// that is under way. If it took effect: how it moved the vehicle.
@@ -70,7 +78,13 @@ class GridSlam {
     void finish();
 
     std::size_t scans() const { return places_.size(); }
-    /// Latest poses of all scans and their covariances.
+    /// Latest pose of a scan, and its covariance.
+    struct KnownPose {
+        Pose2 T_map_base;
+        Eigen::Matrix3d covariance;
+    };
+    KnownPose latest(std::size_t scan) const;
+    /// Of all scans.
     void path(std::vector<Pose2>& poses, std::vector<Eigen::Matrix3d>& covariances) const;
 
     const MapFrames& map() const { return map_; }
@@ -96,11 +110,14 @@ class GridSlam {
     friend void fields(Archive&, GridSlam&);
     /// A scan rides on a frame of the map.
     struct Place {
-        std::uint32_t frame = 0;
+        std::uint64_t frame = 0;
         Pose2 T_frame_base;
-        Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of it, along the axes of the frame
+        double covariance[9] = {};  ///< of it, 3x3, along the axes of the frame
     };
 
+    /// The frame of the latest scan.
+    std::uint32_t rides_on() const { return static_cast<std::uint32_t>(latest_.frame); }
+    void ride(std::uint32_t frame, const Pose2& T_frame_base, const Eigen::Matrix3d& covariance);
     void trust_motion_less(const Pose2& T_map_predicted, const Pose2& T_map_base);
     void settle_on_frame(const ForwardMatch& match);
     std::optional<std::uint32_t> near_frame(const Pose2& T_map_base) const;
@@ -127,7 +144,8 @@ class GridSlam {
     std::vector<Constraint> found_;  ///< the loop at hand
     std::vector<Constraint> constraints_;
     Neighbourhood neighbourhood_;
-    std::vector<Place> places_;  ///< of all scans
+    SetAside<Place> places_;     ///< of all scans
+    Place latest_;               ///< of them
     Motion since_frame_;         ///< from the frame that the vehicle rides on, without matching
     double way_m_ = 0, chosen_at_m_ = 0;
     std::optional<GraphOptimiser> correction_;

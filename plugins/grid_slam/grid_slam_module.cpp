@@ -9,12 +9,10 @@ namespace {
 
 using namespace grid_slam;
 
-std::vector<std::vector<Eigen::Vector2f>> points_of(const std::vector<grid_map::Frame>& frames) {
-    std::vector<std::vector<Eigen::Vector2f>> points_m(frames.size());
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-        points_m[i].reserve(frames[i].points.size());
-        for (const grid_map::SurfacePoint& point : frames[i].points) points_m[i].push_back(point.p_base_m);
-    }
+std::vector<Eigen::Vector2f> points_of(const grid_map::Frame& frame) {
+    std::vector<Eigen::Vector2f> points_m;
+    points_m.reserve(frame.points.size());
+    for (const grid_map::SurfacePoint& point : frame.points) points_m.push_back(point.p_base_m);
     return points_m;
 }
 
@@ -31,7 +29,7 @@ ModuleInfo GridSlamModule::info() const {
     return info;
 }
 
-void GridSlamModule::start(const RunContext&) {
+void GridSlamModule::start(const RunContext& context) {
     fit_surfaces_to_noise(settings_.frame, settings_.forward.refinement.sigma_m);
     settings_.loops.cell_m = settings_.cell_m;
     settings_.loops.refinement = settings_.forward.refinement;
@@ -43,6 +41,9 @@ void GridSlamModule::start(const RunContext&) {
     settings_.decisions.refused = refusals_from_text(refused_loops_);
     settings_.decisions.without_search = intervals_from_text(without_search_);
     slam_ = std::make_unique<GridSlam>(settings_);
+    slam_->keep_in(context.scratch_folder);
+    online_.keep_in(context.scratch_folder, "grid_slam_online");
+    trajectory_.keep_in(context.scratch_folder);
     scans_.start(settings_.weights != Weights::joint);
     if (scans_.inertial() != nullptr)
         reverse_navigation_ = std::make_unique<InertialReverse>(*scans_.inertial(), slam_->map());
@@ -74,16 +75,12 @@ void GridSlamModule::estimate(const NavigatedScans::Scan& scan, Publisher& publi
 }
 
 void GridSlamModule::lay_out_trajectory() {
-    std::vector<Pose2> poses;
-    std::vector<Eigen::Matrix3d> covariances;
-    slam_->path(poses, covariances);
-    trajectory_.reserve(online_.size());
     std::size_t k = 0;
-    for (const OnlinePose& online : online_)
-        trajectory_.append(online.sequence, online.stamp_ns, Pose3(online.T_map_base),
-                           PoseCovariance::planar(covariances[k++]));
-    for (k = 0; k < poses.size(); ++k)
-        trajectory_.revise(k, Pose3(poses[k]), PoseCovariance::planar(covariances[k]));
+    for (const OnlinePose online : online_) {
+        const GridSlam::KnownPose latest = slam_->latest(k++);
+        trajectory_.append_revised(online.sequence, online.stamp_ns, Pose3(online.T_map_base),
+                                   Pose3(latest.T_map_base), PoseCovariance::planar(latest.covariance));
+    }
     trajectory_.finish_revision();
 }
 
@@ -133,7 +130,10 @@ void GridSlamModule::finish(Results& results) {
     slam_->finish();
     lay_out_trajectory();
     report_loops(results);
-    if (!results.corrections.empty()) results.frame_points_base_m = points_of(slam_->map().frames);
+    if (!results.corrections.empty())
+        results.frame_points_base_m = {slam_->map().size(), [&frames = slam_->map().frames](std::size_t i) {
+                                           return points_of(frames[static_cast<std::uint32_t>(i)]);
+                                       }};
     auto& metrics = results.metrics;
     metrics["corrections"] = static_cast<std::int64_t>(slam_->corrections().size());
     metrics["map_frames"] = static_cast<std::int64_t>(slam_->map().size());

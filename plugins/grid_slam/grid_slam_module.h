@@ -1,11 +1,11 @@
 /// Module "grid_slam": scans with wheel odometry or an IMU in, path with closed loops out.
 #pragma once
 
-#include <deque>
 #include <memory>
 
 #include "api/loop_closer.h"
 #include "api/module.h"
+#include "api/set_aside.h"
 #include "grid_slam/grid_slam.h"
 #include "grid_slam/navigated_scans.h"
 
@@ -60,7 +60,7 @@ class GridSlamModule : public Module, public LoopCloser {
     grid_slam::NavigatedScans scans_;
     std::unique_ptr<grid_slam::ReverseNavigation>
         reverse_navigation_;  ///< has no state of its own between two scans
-    std::deque<OnlinePose> online_;
+    SetAside<OnlinePose> online_;
 
     Trajectory trajectory_;  ///< laid out at the end
 };

@@ -4,24 +4,15 @@
 
 namespace loopline {
 namespace {
-constexpr std::uint32_t form_version = 3;
+constexpr std::uint32_t form_version = 5;
 }
-
-namespace grid_map {
-
-template <class Archive>
-void fields(Archive& archive, SurfacePoint& p) {
-    archive(p.p_base_m, p.normal_base);
-}
-
-template <class Archive>
-void fields(Archive& archive, Frame& frame) {
-    archive(frame.p_base_sensor_m, frame.points);
-}
-
-}  // namespace grid_map
 
 namespace grid_slam {
+
+template <class Archive>
+void fields(Archive& archive, FrameList& frames) {
+    archive(frames.points_, frames.end_, frames.p_base_sensor_m_);
+}
 
 template <class Archive>
 void fields(Archive& archive, MapFrames& map) {
@@ -102,8 +93,8 @@ void fields(Archive& archive, GridSlam& slam) {
     archive(slam.map_);
     fields(archive, slam.active_, slam.map_);
     archive(slam.linker_, slam.loops_, slam.decisions_, slam.found_, slam.constraints_);
-    archive.each(slam.places_,
-                 [](auto& a, auto& place) { a(place.frame, place.T_frame_base, place.covariance); });
+    archive(slam.places_);
+    if (Archive::reading && !slam.places_.empty()) slam.latest_ = slam.places_.back();
     archive(slam.since_frame_, slam.since_last_frame_, slam.stamp_ns_, slam.way_m_, slam.chosen_at_m_);
     fields(archive, slam.correction_, slam.constraints_, slam.settings_.online_graph);
     std::uint64_t correction_frames = slam.correction_frames_;
@@ -125,7 +116,7 @@ template <class Archive>
 void fields(Archive& archive, GridSlamModule& m) {
     archive(*m.slam_);
     archive(m.scans_);
-    archive.each(m.online_, [](auto& a, auto& pose) { a(pose.sequence, pose.stamp_ns, pose.T_map_base); });
+    archive(m.online_);
 }
 
 void GridSlamModule::save_state(mrpt::serialization::CArchive& out) const {

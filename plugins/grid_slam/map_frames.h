@@ -6,14 +6,14 @@
 
 #include "api/pose2.h"
 #include "api/stamp.h"
-#include "grid_map/frame.h"
+#include "grid_slam/frame_list.h"
 #include "grid_slam/motion.h"
 
 namespace loopline::grid_slam {
 
 /// Frames by index; all vectors are of one length.
 struct MapFrames {
-    std::vector<grid_map::Frame> frames;
+    FrameList frames;
     std::vector<Pose2> poses;          ///< T_map_base
     std::vector<double> path_m;        ///< way of the vehicle when it was taken
     std::vector<std::uint64_t> scans;  ///< which scan of the log it was
@@ -22,9 +22,9 @@ struct MapFrames {
 
     std::size_t size() const { return frames.size(); }
     std::uint32_t last() const { return static_cast<std::uint32_t>(frames.size() - 1); }
-    std::uint32_t add(grid_map::Frame frame, const Pose2& T_map_base, double way_m, std::uint64_t scan,
+    std::uint32_t add(const grid_map::Frame& frame, const Pose2& T_map_base, double way_m, std::uint64_t scan,
                       StampNs stamp_ns, const Motion& motion) {
-        frames.push_back(std::move(frame));
+        frames.push_back(frame);
         poses.push_back(T_map_base);
         path_m.push_back(way_m);
         scans.push_back(scan);

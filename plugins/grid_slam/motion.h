@@ -27,13 +27,22 @@ inline Eigen::Matrix3d carried_by(const Eigen::Vector2d& way_m) {
 }
 
 /// carried_by(way) * covariance * carried_by(way)', written out.
+struct Carried {
+    double xx, xy, xp, yy, yp, pp;
+    Carried(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& way_m) : pp(covariance(2, 2)) {
+        const double a = -way_m.y(), b = way_m.x();
+        xp = covariance(0, 2) + a * pp;
+        yp = covariance(1, 2) + b * pp;
+        xx = covariance(0, 0) + a * (covariance(0, 2) + xp);
+        yy = covariance(1, 1) + b * (covariance(1, 2) + yp);
+        xy = covariance(0, 1) + a * covariance(1, 2) + b * xp;
+    }
+    Eigen::Matrix3d matrix() const {
+        return (Eigen::Matrix3d() << xx, xy, xp, xy, yy, yp, xp, yp, pp).finished();
+    }
+};
 inline Eigen::Matrix3d carried(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& way_m) {
-    const double a = -way_m.y(), b = way_m.x(), pp = covariance(2, 2);
-    const double xp = covariance(0, 2) + a * pp, yp = covariance(1, 2) + b * pp;
-    const double xx = covariance(0, 0) + a * (covariance(0, 2) + xp),
-                 yy = covariance(1, 1) + b * (covariance(1, 2) + yp),
-                 xy = covariance(0, 1) + a * covariance(1, 2) + b * xp;
-    return (Eigen::Matrix3d() << xx, xy, xp, xy, yy, yp, xp, yp, pp).finished();
+    return Carried(covariance, way_m).matrix();
 }
 
 struct Motion {

@@ -68,7 +68,7 @@ class GraphOptimiser::NormalEquations {
     }
     bool factorise() { return ldlt_.factorise(); }
     Eigen::VectorXd step() const { return ldlt_.solve(gradient_); }
-    std::vector<Eigen::Matrix3d> covariances() const { return ldlt_.inverse_diagonal(); }
+    std::vector<Eigen::Matrix3d> covariances() { return ldlt_.inverse_diagonal(); }
 
  private:
     static bool is_between_unknowns(const Constraint& c) { return c.from > 0 && c.to > 0; }

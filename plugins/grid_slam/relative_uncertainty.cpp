@@ -8,9 +8,9 @@
 namespace loopline::grid_slam {
 namespace {
 
-double larger_variance(const Eigen::Matrix3d& c) {
-    const double mean = (c(0, 0) + c(1, 1)) / 2, half = (c(0, 0) - c(1, 1)) / 2,
-                 spread = std::sqrt(half * half + c(0, 1) * c(0, 1));
+/// Of the position, along the axis where it is larger.
+double larger_variance(double xx, double xy, double yy) {
+    const double mean = (xx + yy) / 2, half = (xx - yy) / 2, spread = std::sqrt(half * half + xy * xy);
     return mean + spread;
 }
 
@@ -53,14 +53,14 @@ void relative_uncertainty(const Neighbourhood& graph, const std::vector<Pose2>& 
         for (const auto& edge : graph.of(frame)) {
             if (settled[edge.other]) continue;
             // The heading's error turns the way to the next frame.
-            const Eigen::Matrix3d covariance =
-                carried(result.covariance[frame],
-                        poses[edge.other].translation() - poses[frame].translation()) +
-                edge.covariance;
-            const double next = larger_variance(covariance);
+            const Carried there(result.covariance[frame],
+                                poses[edge.other].translation() - poses[frame].translation());
+            const double next =
+                larger_variance(there.xx + edge.covariance(0, 0), there.xy + edge.covariance(0, 1),
+                                there.yy + edge.covariance(1, 1));
             if (next >= limit_m2 || next >= result.variance_m2[edge.other]) continue;
             result.variance_m2[edge.other] = next;
-            result.covariance[edge.other] = covariance;
+            result.covariance[edge.other] = there.matrix() + edge.covariance;
             queue.emplace(next, edge.other);
         }
     }

@@ -163,8 +163,10 @@ Eigen::VectorXd BlockLdlt::solve(const Eigen::VectorXd& b) const {
 // pattern of L's column j:
 //     Z(i, j) = - sum_k Z(i, k) L(k, j)   for i > j,        Z(j, j) = D(j)^-1 - sum_k L(k, j)' Z(k, j).
 // Every Z(i, k) that occurs is itself on the pattern: the rows of a column form a clique of the factor.
-std::vector<BlockLdlt::Block> BlockLdlt::inverse_diagonal() const {
-    std::vector<Block> Z(L_.size()), Z_diagonal(size()), column(size(), Block::Zero());
+// Column j of L is not needed after that of Z, which takes its place.
+std::vector<BlockLdlt::Block> BlockLdlt::inverse_diagonal() {
+    std::vector<Block>& Z = L_;
+    std::vector<Block> Z_diagonal(size()), column(size(), Block::Zero());
     std::vector<const Block*> factor(size(), nullptr);  // L(:, j), scattered
     for (std::size_t j = size(); j-- > 0;) {
         for (std::uint32_t a = begin_[j]; a < begin_[j + 1]; ++a) {
@@ -184,8 +186,8 @@ std::vector<BlockLdlt::Block> BlockLdlt::inverse_diagonal() const {
         }
         Z_diagonal[j] = D_inverse_[j];
         for (std::uint32_t a = begin_[j]; a < begin_[j + 1]; ++a) {
-            Z[a] = -column[row_[a]];
             Z_diagonal[j].noalias() += L_[a].transpose() * column[row_[a]];
+            Z[a] = -column[row_[a]];
             factor[row_[a]] = nullptr;
         }
     }

@@ -36,8 +36,8 @@ class BlockLdlt {
     /// H x = b, after factorise().
     Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
     /// The 3 x 3 blocks on the diagonal of H^-1, after factorise(): the inverse on the pattern of L
-    /// (Takahashi, Fagan and Chin 1973).
-    std::vector<Block> inverse_diagonal() const;
+    /// (Takahashi, Fagan and Chin 1973). It takes the place of the factor, which has to be made again.
+    std::vector<Block> inverse_diagonal();
 
  private:
     struct Place {

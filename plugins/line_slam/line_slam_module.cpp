@@ -62,6 +62,7 @@ ModuleInfo LineSlam::info() const {
 
 void LineSlam::start(const RunContext& context) {
     calibrates_ = context.calibrates;
+    trajectory_.keep_in(context.scratch_folder);
     const double gate = least_squares::chi_square_quantile(2, gate_probability_);
     slam_parameters_.association.gate = gate;
     slam_parameters_.association.probability = gate_probability_;

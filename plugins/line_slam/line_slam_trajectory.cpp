@@ -10,7 +10,6 @@ using namespace line_slam;
 
 /// As it was known at each time: by the filter at its steps, by the wheels since the last step between them.
 void LineSlam::lay_out_trajectory() {
-    trajectory_.reserve(places_.size());
     PreparedPose2 T_map_step;
     Eigen::Matrix3d step_covariance = Eigen::Matrix3d::Zero();
     std::size_t steps = 0;
@@ -56,7 +55,7 @@ void LineSlam::revise_trajectory(const SmoothedPath& smoothed) {
 }
 
 void LineSlam::revise_between(std::size_t from, std::size_t to) {
-    const auto& entries = trajectory_.entries();
+    const auto entries = trajectory_.entries();
     const PreparedPose2 T_map_from(entries[from].T_map_base.planar());
     const Pose2 T_map_to = entries[to].T_map_base.planar();
     const Twist2 bend = log_se2((T_map_from * places_[to].T_step_base).inverse() * T_map_to);

@@ -4,6 +4,7 @@
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,7 @@ class ScanInMap {
 
  private:
     const mrpt::obs::CObservation2DRangeScan* observation_ = nullptr;
-    const TrajectoryEntry* entry_ = nullptr;
+    std::optional<TrajectoryEntry> entry_;
     PlanarScan beams_;
     Pose3 T_map_sensor_;
 };

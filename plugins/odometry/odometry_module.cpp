@@ -65,7 +65,9 @@ std::string Odometry::check() const {
     return {};
 }
 
-void Odometry::start(const RunContext&) {
+void Odometry::start(const RunContext& context) {
+    path_.keep_in(context.scratch_folder, "odometry");
+    trajectory_.keep_in(context.scratch_folder);
     at_scans_ = OdometryAtScans(synchronisation_);
 }
 
@@ -154,13 +156,12 @@ void Odometry::publish(const PlacedScan& placed, Publisher& publisher) {
 
 void Odometry::lay_out_trajectory() {
     if (path_.empty()) return;
-    trajectory_.reserve(path_.size());
     const PreparedPose2 T_map_odom(path_.front().T_odom_base.inverse());
     Pose2 T_map_previous;
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (const DeadReckoned& scan : path_) {
         const Pose2 T_map_base = T_map_odom * scan.T_odom_base;
-        if (&scan != &path_.front())
+        if (!trajectory_.empty())
             covariance = propagate_covariance(covariance, T_map_previous, T_map_base, noise_);
         T_map_previous = T_map_base;
         trajectory_.append(scan.sequence, scan.stamp_ns, Pose3(T_map_base),

@@ -11,6 +11,7 @@
 
 #include "api/module.h"
 #include "api/observation_pool.h"
+#include "api/set_aside.h"
 #include "odometry/odometry_at_scans.h"
 
 namespace loopline {
@@ -71,7 +72,7 @@ class Odometry : public Module {
     Pose2 T_odom_base_of_ticks_;     ///< integrated; the origin is where the first counts were read
     std::deque<ScanStamp> waiting_;  ///< in the log's order, in which they are placed
     ObservationPool<mrpt::obs::CObservationOdometry> pool_;
-    std::deque<DeadReckoned> path_;
+    SetAside<DeadReckoned> path_;
     Trajectory trajectory_;  ///< laid out at the end
 
     std::int64_t samples_ = 0, ignored_ = 0, without_ticks_ = 0, not_finite_ = 0, scans_ = 0,

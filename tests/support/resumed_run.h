@@ -10,6 +10,7 @@
 #include "commands/command.h"
 #include "pipeline/checkpoint.h"
 #include "pipeline/run.h"
+#include "pipeline/run_scratch.h"
 #include "pipeline_logs.h"
 
 namespace loopline::testing {
@@ -95,8 +96,11 @@ class BrokenRuns {
             if (resume) setup.checkpoint = std::make_shared<const Checkpoint>(setup.folder, setup.experiment);
             Supervision supervision;
             supervision.rawlogs = setup.experiment.run.rawlogs;
-            return supervise(supervision,
-                             [&setup](const Attempt& attempt) { return run_experiment(setup, attempt); });
+            return supervise(supervision, [&setup](const Attempt& attempt) {
+                RunScratch scratch(setup.folder);
+                setup.scratch = &scratch;
+                return run_experiment(setup, attempt);
+            });
         } catch (const CommandError& e) {
             return e.code();
         } catch (const std::exception&) {

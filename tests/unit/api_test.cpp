@@ -85,7 +85,7 @@ TEST(Trajectory, keeps_the_online_estimate_and_interpolates_the_latest) {
     EXPECT_EQ(path.revision(), 1u);
     EXPECT_DOUBLE_EQ(path.T_map_base_online(2).translation_m.y(), 0);
     EXPECT_DOUBLE_EQ(path.find(20)->T_map_base.translation_m.y(), 1);
-    EXPECT_EQ(path.find(21), nullptr);
+    EXPECT_FALSE(path.find(21));
     EXPECT_NEAR(path.pose_at(1500, 20)->translation_m.y(), 0.5, 1e-12);
     EXPECT_NEAR(path.pose_at(1500, 0)->translation_m.y(), 0.5, 1e-12);
     EXPECT_FALSE(path.pose_at(4001, 40));

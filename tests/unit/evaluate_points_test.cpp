@@ -261,7 +261,8 @@ TEST(CloudDistance, floor_and_ceiling_do_not_count_and_the_frames_are_kept_apart
 
 TEST(EvaluateSurveys, a_cloud_by_true_poses_lies_on_its_walls_and_one_by_drifting_ones_does_not) {
     EvaluationReference reference;
-    reference.truth = straight_path(0, 4, 0, 0);
+    const auto truth = straight_path(0, 4, 0, 0);
+    reference.truth = StampedPath(truth);
     reference.surveyed.walls = {{{0, 1}, {10, 1}, 0, 3}};
     Results results, by_odometry;
     NamedMap map{"survey", cloud_of({{2, 1, 1}, {3, 1, 1}, {4, 1.02f, 1}})};
@@ -269,7 +270,7 @@ TEST(EvaluateSurveys, a_cloud_by_true_poses_lies_on_its_walls_and_one_by_driftin
     results.maps = {map, {"points", cloud_of({{50, 50, 1}})}};
     map.map = cloud_of({{2, 1.5f, 1}, {3, 2, 1}, {4, 2.5f, 1}});
     by_odometry.maps = {map};
-    const Trajectory estimate = estimate_of(reference.truth, 0), odometry = estimate_of(reference.truth, 0.5);
+    const Trajectory estimate = estimate_of(truth, 0), odometry = estimate_of(truth, 0.5);
     const auto metrics = evaluate_surveys(results, by_odometry, estimate, &odometry, reference).metrics;
     EXPECT_NEAR(std::get<double>(metrics.at("survey_median_m")), 0, 1e-6);
     EXPECT_NEAR(std::get<double>(metrics.at("survey_odometry_median_m")), 1, 1e-6);

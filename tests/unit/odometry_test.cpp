@@ -180,7 +180,7 @@ TEST_F(OdometryModule, interpolates_exactly_on_an_arc) {
                     1e-9);  // also the extrapolated one: constant velocity
         EXPECT_NEAR(published.observation->velocityLocal.vx, 1.0, 1e-9);
         EXPECT_NEAR(published.observation->velocityLocal.omega, 0.5, 1e-9);
-        const auto& entry = module.trajectory()->entries().at(i);
+        const auto& entry = module.trajectory()->entries()[i];
         expect_pose(entry.T_map_base.planar(), on_circle(0.13).inverse() * on_circle(stamp_s), 1e-9);
         EXPECT_EQ(entry.sequence, published.sequence);
     }

@@ -42,6 +42,30 @@ TEST(Resume, checkpoints_change_no_result) {
             << file;
 }
 
+TEST(Resume, needs_what_the_run_had_set_aside_as_it_was) {
+    const BrokenRuns runs(telecom_log, "checkpoint_items = 10\nmodules = odometry\n");
+    ASSERT_EQ(runs.run("whole", false), 0);
+    EXPECT_FALSE(std::filesystem::exists(runs.path("whole") + "/scratch"));
+    for (const bool damaged : {true, false}) {
+        EXPECT_EQ(runs.run("broken", false, Break::kill_all, 200), 137);
+        const std::string file = runs.path("broken") + "/scratch/odometry";
+        std::string bytes = file_bytes(file);
+        ASSERT_GT(bytes.size(), 100u);
+        if (damaged)
+            bytes[bytes.size() / 3] ^= 1;
+        else
+            bytes.resize(bytes.size() / 2);
+        write_file(file, bytes);
+        EXPECT_EQ(runs.run("broken", true), exit_configuration);
+    }
+    // What came after the checkpoint does not count.
+    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 200), 137);
+    const std::string file = runs.path("broken") + "/scratch/odometry";
+    write_file(file, file_bytes(file) + std::string(5000, 'x'));
+    EXPECT_EQ(runs.run("broken", true), 0);
+    runs.expect_same("broken", "whole");
+}
+
 /// Refused with one sentence that says why, and nothing changes.
 class RefusedResume : public ::testing::Test {
  protected:

@@ -28,7 +28,7 @@ class Walker : public Module {
     ParameterTable parameters() override { return {name_, ""}; }
     void process(const StreamItem& item, Publisher& publisher) override {
         if (item.sequence == at_) accident_();
-        const bool echo = path_.find(item.sequence) != nullptr;  // of the walker before it
+        const bool echo = path_.find(item.sequence).has_value();  // of the walker before it
         if (echo || !is_laser_scan(*item.observation)) return;
         path_.append(item.sequence, item.stamp_ns, Pose3(Pose2{double(item.sequence), 0, 0}),
                      Matrix6d::Identity());
@@ -56,7 +56,7 @@ class Counter : public MapBuilder {
     void start(const RunContext&, const Trajectory& trajectory) override { trajectory_ = &trajectory; }
     void insert(const StreamItem& item) override {
         if (item.sequence == crash_at_) std::abort();
-        if (trajectory_->find(item.sequence) != nullptr) ++with_pose_;
+        if (trajectory_->find(item.sequence)) ++with_pose_;
     }
     void finish(Results& results) override { results.metrics["drawn"] = with_pose_; }
     mrpt::rtti::CObject* clone() const override { return new Counter(*this); }

@@ -15,6 +15,7 @@
 #include "pipeline/log_file.h"
 #include "pipeline/loop_rejection.h"
 #include "pipeline/run.h"
+#include "pipeline/run_scratch.h"
 #include "pipeline/supervisor.h"
 
 namespace loopline {
@@ -98,7 +99,9 @@ class RunCommand : public Command {
         return static_cast<ExitCode>(
             supervise(supervision_of(setup.experiment), [&setup](const Attempt& attempt) {
                 use_large_pages();
-                setup.reference = load_evaluation_reference(setup.experiment.evaluation);
+                RunScratch scratch(setup.folder);
+                setup.scratch = &scratch;
+                setup.reference = load_evaluation_reference(setup.experiment.evaluation, scratch.folder());
                 return run_experiment(setup, attempt);
             }));
     }

@@ -11,18 +11,17 @@ bool is_level(const Eigen::Quaterniond& q) {
     return std::hypot(q.x(), q.y()) < 0.5e-6;
 }
 
-}  // namespace
-
-Pose3 align_planar(const std::vector<PosePair>& pairs) {
+template <class Pairs>
+Pose3 planar_alignment(const Pairs& pairs) {
     const auto n = static_cast<double>(pairs.size());
     if (pairs.empty()) return {};
     Eigen::Vector2d mean_estimate_m(0, 0), mean_reference_m(0, 0);
-    for (const auto& pair : pairs) {
+    for (const PosePair& pair : pairs) {
         mean_estimate_m += pair.T_map_base_estimate.translation_m.head<2>() / n;
         mean_reference_m += pair.T_ref_base_reference.translation_m.head<2>() / n;
     }
     double cross = 0, dot = 0;
-    for (const auto& pair : pairs) {
+    for (const PosePair& pair : pairs) {
         const Eigen::Vector2d a = pair.T_map_base_estimate.translation_m.head<2>() - mean_estimate_m;
         const Eigen::Vector2d b = pair.T_ref_base_reference.translation_m.head<2>() - mean_reference_m;
         cross += a.x() * b.y() - a.y() * b.x();
@@ -33,44 +32,71 @@ Pose3 align_planar(const std::vector<PosePair>& pairs) {
     return Pose3(Pose2{shift_m.x(), shift_m.y(), turn.phi_rad});
 }
 
-Pose3 align_spatial(const std::vector<PosePair>& pairs) {
+template <class Pairs>
+Pose3 spatial_alignment(const Pairs& pairs) {
     if (pairs.empty()) return {};
     Eigen::Matrix3Xd estimate_m(3, pairs.size()), reference_m(3, pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        estimate_m.col(static_cast<Eigen::Index>(i)) = pairs[i].T_map_base_estimate.translation_m;
-        reference_m.col(static_cast<Eigen::Index>(i)) = pairs[i].T_ref_base_reference.translation_m;
+        const PosePair pair = pairs[i];
+        estimate_m.col(static_cast<Eigen::Index>(i)) = pair.T_map_base_estimate.translation_m;
+        reference_m.col(static_cast<Eigen::Index>(i)) = pair.T_ref_base_reference.translation_m;
     }
     const Eigen::Matrix4d T = Eigen::umeyama(estimate_m, reference_m, false);
     return {T.topRightCorner<3, 1>(),
             Eigen::Quaterniond(Eigen::Matrix3d(T.topLeftCorner<3, 3>())).normalized()};
 }
 
-bool is_planar(const std::vector<PosePair>& pairs) {
+template <class Pairs>
+bool all_planar(const Pairs& pairs) {
+    if (pairs.empty()) return true;
+    const Pose3 first_estimate = pairs[0].T_map_base_estimate,
+                first_reference = pairs[0].T_ref_base_reference;
     return std::all_of(pairs.begin(), pairs.end(), [&](const PosePair& pair) {
         const Pose3 &estimate = pair.T_map_base_estimate, &reference = pair.T_ref_base_reference;
-        const Pose3 &first_estimate = pairs[0].T_map_base_estimate,
-                    &first_reference = pairs[0].T_ref_base_reference;
         return is_level(estimate.rotation) && is_level(reference.rotation) &&
                std::abs(estimate.translation_m.z() - first_estimate.translation_m.z()) < 1e-6 &&
                std::abs(reference.translation_m.z() - first_reference.translation_m.z()) < 1e-6;
     });
 }
 
-AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment alignment) {
+template <class Pairs>
+AbsoluteError error_of(const Pairs& pairs, Alignment alignment) {
     AbsoluteError error;
     if (alignment == Alignment::automatic)
-        alignment = is_planar(pairs) ? Alignment::planar : Alignment::spatial;
+        alignment = all_planar(pairs) ? Alignment::planar : Alignment::spatial;
     error.alignment = alignment;
     error.distances_m.reserve(pairs.size());
-    if (alignment == Alignment::planar) error.T_ref_map = align_planar(pairs);
-    if (alignment == Alignment::spatial) error.T_ref_map = align_spatial(pairs);
-    for (const auto& pair : pairs) {
+    if (alignment == Alignment::planar) error.T_ref_map = planar_alignment(pairs);
+    if (alignment == Alignment::spatial) error.T_ref_map = spatial_alignment(pairs);
+    for (const PosePair& pair : pairs) {
         const Eigen::Vector3d e = error.T_ref_map * pair.T_map_base_estimate.translation_m -
                                   pair.T_ref_base_reference.translation_m;
         error.distances_m.push_back(alignment == Alignment::planar ? e.head<2>().norm() : e.norm());
     }
     error.distance_m = statistics_of(error.distances_m);
     return error;
+}
+
+}  // namespace
+
+Pose3 align_planar(const std::vector<PosePair>& pairs) {
+    return planar_alignment(pairs);
+}
+
+Pose3 align_spatial(const std::vector<PosePair>& pairs) {
+    return spatial_alignment(pairs);
+}
+
+bool is_planar(const std::vector<PosePair>& pairs) {
+    return all_planar(pairs);
+}
+
+AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment alignment) {
+    return error_of(pairs, alignment);
+}
+
+AbsoluteError absolute_error(const PosePairs& pairs, Alignment alignment) {
+    return error_of(pairs, alignment);
 }
 
 }  // namespace loopline

@@ -36,5 +36,6 @@ struct AbsoluteError {
 };
 
 AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment alignment);
+AbsoluteError absolute_error(const PosePairs& pairs, Alignment alignment);
 
 }  // namespace loopline

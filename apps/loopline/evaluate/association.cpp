@@ -16,15 +16,6 @@ namespace {
 
 constexpr double max_bridge = 10;  // of interpolation, over the greatest difference in time
 
-/// The poses by stamp: themselves, or a copy that is put into `sorted`.
-const std::vector<StampedPose>& in_order(const std::vector<StampedPose>& poses, std::vector<StampedPose>& sorted) {
-    const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.stamp_ns < b.stamp_ns; };
-    if (std::is_sorted(poses.begin(), poses.end(), earlier)) return poses;
-    sorted = poses;
-    std::stable_sort(sorted.begin(), sorted.end(), earlier);
-    return sorted;
-}
-
 /// The position at `stamp_ns`, which lies between a and b, as far as neither is too far away; else that of
 /// the nearest.
 Pose3 position_between(const StampedPose& a, const StampedPose& b, StampNs stamp_ns, double max_bridge_s) {
@@ -36,44 +27,58 @@ Pose3 position_between(const StampedPose& a, const StampedPose& b, StampNs stamp
     return pose;
 }
 
-template <class Reference>
-std::vector<PosePair> associate(const std::vector<StampedPose>& estimate, const std::vector<StampedPose>& reference,
-                                double max_difference_s, const Reference& reference_at) {
-    std::vector<StampedPose> copy;
-    const std::vector<StampedPose>& sorted = in_order(reference, copy);
+std::vector<PosePair> associate(const std::vector<StampedPose>& estimate,
+                                const std::vector<StampedPose>& reference, double max_difference_s,
+                                ReferencePoses::Kind kind) {
+    const StampedPath path(reference);
+    ReferencePoses poses(path, max_difference_s, kind);
     std::vector<PosePair> pairs;
-    if (sorted.empty()) return pairs;
-    pairs.reserve(estimate.size());
-    for (std::size_t i = 0; i < estimate.size(); ++i) {
-        const StampNs stamp_ns = estimate[i].stamp_ns;
-        const auto difference_s = [stamp_ns](const StampedPose& p) {
-            return std::abs(seconds_between(p.stamp_ns, stamp_ns));
-        };
-        const auto after = std::lower_bound(sorted.begin(), sorted.end(), stamp_ns,
-                                            [](const auto& p, StampNs stamp) { return p.stamp_ns < stamp; });
-        const StampedPose& next = after == sorted.end() ? sorted.back() : *after;
-        const StampedPose& previous = after == sorted.begin() ? next : *std::prev(after);
-        const StampedPose& nearest = difference_s(previous) <= difference_s(next) ? previous : next;
-        if (difference_s(nearest) <= max_difference_s)
-            pairs.push_back({stamp_ns, i, estimate[i].T_map_base, reference_at(previous, next, nearest, stamp_ns)});
-    }
+    for (std::size_t i = 0; i < estimate.size(); ++i)
+        if (const auto found = poses.at(estimate[i].stamp_ns))
+            pairs.push_back({estimate[i].stamp_ns, i, estimate[i].T_map_base, *found});
     return pairs;
 }
 
 }  // namespace
 
+ReferencePoses::ReferencePoses(const StampedPath& reference, double max_difference_s, Kind kind)
+    : poses_(&in_order_of_stamps(reference, sorted_)), max_difference_s_(max_difference_s), kind_(kind) {}
+
+std::size_t ReferencePoses::not_before(StampNs stamp_ns) const {
+    const auto is_it = [&](std::size_t i) {
+        return i <= poses_->size() && (i == poses_->size() || poses_->stamp_ns(i) >= stamp_ns) &&
+               (i == 0 || poses_->stamp_ns(i - 1) < stamp_ns);
+    };
+    constexpr std::size_t near_by = 8;
+    for (std::size_t i = after_; i < after_ + near_by; ++i)
+        if (is_it(i)) return i;
+    const auto found = std::lower_bound(poses_->begin(), poses_->end(), stamp_ns,
+                                        [](const auto& p, StampNs stamp) { return p.stamp_ns < stamp; });
+    return static_cast<std::size_t>(found - poses_->begin());
+}
+
+std::optional<Pose3> ReferencePoses::at(StampNs stamp_ns) {
+    if (poses_->empty()) return std::nullopt;
+    after_ = not_before(stamp_ns);
+    const StampedPose next = (*poses_)[std::min(after_, poses_->size() - 1)];
+    const StampedPose previous = after_ == 0 ? next : (*poses_)[after_ - 1];
+    const auto difference_s = [stamp_ns](const StampedPose& p) {
+        return std::abs(seconds_between(p.stamp_ns, stamp_ns));
+    };
+    const StampedPose& nearest = difference_s(previous) <= difference_s(next) ? previous : next;
+    if (!(difference_s(nearest) <= max_difference_s_)) return std::nullopt;
+    if (kind_ == Kind::poses) return nearest.T_map_base;
+    return position_between(previous, next, stamp_ns, max_bridge * max_difference_s_);
+}
+
 std::vector<PosePair> associate_by_stamp(const std::vector<StampedPose>& estimate,
                                          const std::vector<StampedPose>& reference, double max_difference_s) {
-    return associate(estimate, reference, max_difference_s,
-                     [](const auto&, const auto&, const StampedPose& nearest, StampNs) { return nearest.T_map_base; });
+    return associate(estimate, reference, max_difference_s, ReferencePoses::Kind::poses);
 }
 
 std::vector<PosePair> associate_positions(const std::vector<StampedPose>& estimate,
                                           const std::vector<StampedPose>& reference, double max_difference_s) {
-    return associate(estimate, reference, max_difference_s,
-                     [&](const StampedPose& previous, const StampedPose& next, const auto&, StampNs stamp_ns) {
-                         return position_between(previous, next, stamp_ns, max_bridge * max_difference_s);
-                     });
+    return associate(estimate, reference, max_difference_s, ReferencePoses::Kind::positions);
 }
 
 std::vector<PosePair> associate_by_index(const std::vector<StampedPose>& estimate,

@@ -12,34 +12,32 @@ namespace {
 
 constexpr double max_difference_s = 0.1;  // to the nearest truth: references of 10 Hz and more are fully used
 
-struct FinitePoses {
-    std::vector<StampedPose> poses;             ///< latest revision; those that are finite
-    std::vector<const TrajectoryEntry*> entry;  ///< of each pose
-};
+bool is_finite(const Pose3& pose) {
+    return pose.translation_m.allFinite() && pose.rotation.coeffs().allFinite();
+}
 
-FinitePoses latest_estimate(const Trajectory& trajectory) {
-    FinitePoses estimate;
-    estimate.poses.reserve(trajectory.size());
-    estimate.entry.reserve(trajectory.size());
-    for (const auto& entry : trajectory.entries()) {
-        if (!entry.T_map_base.translation_m.allFinite() || !entry.T_map_base.rotation.coeffs().allFinite())
-            continue;
-        estimate.poses.push_back({entry.stamp_ns, entry.T_map_base});
-        estimate.entry.push_back(&entry);
+/// Latest revision of the finite poses, each with that of the truth; estimate_index is that of the
+/// trajectory.
+void pair_with_truth(const Trajectory& trajectory, const EvaluationReference& reference, PosePairs& pairs) {
+    const Pose3 T_base_point(Pose2{reference.truth_point_m.x(), reference.truth_point_m.y(), 0});
+    const bool moved = !reference.truth_has_orientation && !reference.truth_point_m.isZero();
+    ReferencePoses truth(
+        reference.truth, max_difference_s,
+        reference.truth_has_orientation ? ReferencePoses::Kind::poses : ReferencePoses::Kind::positions);
+    for (std::size_t i = 0; i < trajectory.size(); ++i) {
+        const TrajectoryEntry entry = trajectory[i];
+        if (!is_finite(entry.T_map_base)) continue;
+        if (const auto true_pose = truth.at(entry.stamp_ns))
+            pairs.push_back(
+                {entry.stamp_ns, i, moved ? entry.T_map_base * T_base_point : entry.T_map_base, *true_pose});
     }
-    return estimate;
 }
 
-std::vector<PosePair> pairs_with_truth(const FinitePoses& estimate, const EvaluationReference& reference) {
-    if (reference.truth_has_orientation)
-        return associate_by_stamp(estimate.poses, reference.truth, max_difference_s);
-    return associate_positions(way_of_point(estimate.poses, reference.truth_point_m), reference.truth,
-                               max_difference_s);
-}
-
-void compare_with_truth(const FinitePoses& estimate, const EvaluationReference& reference,
-                        RunEvaluation& evaluation) {
-    const auto pairs = pairs_with_truth(estimate, reference);
+void compare_with_truth(const Trajectory& trajectory, const EvaluationReference& reference,
+                        const std::filesystem::path& scratch_folder, RunEvaluation& evaluation) {
+    PosePairs pairs;
+    pairs.keep_in(scratch_folder);
+    pair_with_truth(trajectory, reference, pairs);
     if (pairs.empty()) {
         evaluation.warnings.push_back("no pose of the run is within " +
                                       std::to_string(max_difference_s).substr(0, 3) +
@@ -57,25 +55,29 @@ void compare_with_truth(const FinitePoses& estimate, const EvaluationReference& 
     if (!reference.truth_has_orientation) return;
 
     // A run's map frame is its first pose: the truth is brought there by that pose alone.
-    const Pose3 T_map_ref = pairs[0].T_map_base_estimate * pairs[0].T_ref_base_reference.inverse();
-    const PosePair& last = pairs.back();
+    const PosePair first = pairs[0];
+    const Pose3 T_map_ref = first.T_map_base_estimate * first.T_ref_base_reference.inverse();
+    const PosePair last = pairs[pairs.size() - 1];
     metrics["end_error_m"] =
         (last.T_map_base_estimate.translation_m - T_map_ref * last.T_ref_base_reference.translation_m).norm();
 
     double nees_sum = 0;
     std::int64_t nees_count = 0;
-    for (const auto& pair : pairs) {
+    for (const PosePair pair : pairs) {
         const auto nees =
             pose_nees(pair.T_map_base_estimate.planar(), (T_map_ref * pair.T_ref_base_reference).planar(),
-                      estimate.entry[pair.estimate_index]->covariance.planar());
+                      trajectory[pair.estimate_index].covariance.planar());
         if (nees) nees_sum += *nees, ++nees_count;
     }
     if (nees_count > 0) metrics["nees_mean"] = nees_sum / static_cast<double>(nees_count);
 }
 
-void compare_with_relations(const FinitePoses& estimate, const EvaluationReference& reference,
+void compare_with_relations(const Trajectory& trajectory, const EvaluationReference& reference,
                             RunEvaluation& evaluation) {
-    const RelationsError error = relations_error(reference.relations, estimate.poses, {});
+    std::vector<StampedPose> poses;
+    for (const TrajectoryEntry entry : trajectory.entries())
+        if (is_finite(entry.T_map_base)) poses.push_back({entry.stamp_ns, entry.T_map_base});
+    const RelationsError error = relations_error(reference.relations, std::move(poses), {});
     evaluation.metrics["relations_used"] = static_cast<std::int64_t>(error.translation_m.count);
     if (error.translation_m.count == 0) {
         evaluation.warnings.push_back("no relation of " + reference.relations_path +
@@ -91,12 +93,12 @@ void compare_with_relations(const FinitePoses& estimate, const EvaluationReferen
 }  // namespace
 
 RunEvaluation evaluate_run(const Trajectory& trajectory,
-                           const std::shared_ptr<const EvaluationReference>& reference) {
+                           const std::shared_ptr<const EvaluationReference>& reference,
+                           const std::filesystem::path& scratch_folder) {
     RunEvaluation evaluation;
     if (!reference) return evaluation;
-    const FinitePoses estimate = latest_estimate(trajectory);
-    if (!reference->truth.empty()) compare_with_truth(estimate, *reference, evaluation);
-    if (!reference->relations.empty()) compare_with_relations(estimate, *reference, evaluation);
+    if (!reference->truth.empty()) compare_with_truth(trajectory, *reference, scratch_folder, evaluation);
+    if (!reference->relations.empty()) compare_with_relations(trajectory, *reference, evaluation);
     return evaluation;
 }
 

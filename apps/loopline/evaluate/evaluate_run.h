@@ -26,9 +26,11 @@ struct RunEvaluation {
 
 /// Compares the latest revision of `trajectory` with `reference`; a null reference gives nothing. Does not
 /// throw. end_error_m and nees_mean are taken with the first common pose made equal, ate_* after the best
-/// rigid alignment. nees_mean is of (x, y, heading): 3 if the covariances are right.
+/// rigid alignment. nees_mean is of (x, y, heading): 3 if the covariances are right. Pairs of poses are kept
+/// in a folder that may have to be made meanwhile, or in memory if it has no name.
 RunEvaluation evaluate_run(const Trajectory& trajectory,
-                           const std::shared_ptr<const EvaluationReference>& reference);
+                           const std::shared_ptr<const EvaluationReference>& reference,
+                           const std::filesystem::path& scratch_folder = {});
 
 /// Of feature points: points_mean_error_m points_rms_error_m points_max_error_m, points_odometry_* of dead
 /// reckoning, and points_used; and a warning for those that were missed.

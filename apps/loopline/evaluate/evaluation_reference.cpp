@@ -23,8 +23,9 @@ std::vector<PublishedPoint> read_published_points(const std::string& file) {
 }
 
 void read_truth(const EvaluationSettings& settings, EvaluationReference& reference) {
-    TrajectoryFile file = read_trajectory(settings.truth, "[evaluation] truth", Needed::positions);
-    reference.truth = std::move(file.poses);
+    const TrajectoryFile file =
+        read_trajectory(settings.truth, "[evaluation] truth", Needed::positions,
+                        [&reference](const StampedPose& pose) { reference.truth.push_back(pose); });
     reference.truth_has_orientation = file.has_orientation;
     reference.truth_point_m = {settings.truth_point_x_m, settings.truth_point_y_m};
     if (!file.has_orientation) {
@@ -36,15 +37,18 @@ void read_truth(const EvaluationSettings& settings, EvaluationReference& referen
     }
     const Pose3 T_point_base(Pose2{-settings.truth_point_x_m, -settings.truth_point_y_m, 0});
     if (!reference.truth_point_m.isZero())
-        for (StampedPose& pose : reference.truth) pose.T_map_base = pose.T_map_base * T_point_base;
+        for (std::size_t i = 0; i < reference.truth.size(); ++i)
+            reference.truth.set_pose(i, reference.truth[i].T_map_base * T_point_base);
     reference.truth_point_m.setZero();
 }
 
 }  // namespace
 
-std::shared_ptr<const EvaluationReference> load_evaluation_reference(const EvaluationSettings& settings) {
+std::shared_ptr<const EvaluationReference> load_evaluation_reference(
+    const EvaluationSettings& settings, const std::filesystem::path& scratch_folder) {
     if (settings.truth.empty() && settings.relations.empty()) return nullptr;
     auto reference = std::make_shared<EvaluationReference>();
+    reference->truth.keep_in(scratch_folder);
     reference->truth_path = settings.truth;
     reference->relations_path = settings.relations;
     reference->scan_duration_s = settings.scan_duration_s;

@@ -19,7 +19,7 @@ struct PublishedPoint {
 };
 
 struct EvaluationReference {
-    std::vector<StampedPose> truth;  ///< of base, or positions alone, of truth_point_m
+    StampedPath truth;  ///< of base, or positions alone, of truth_point_m
     bool truth_has_orientation = true;
     Eigen::Vector2d truth_point_m = Eigen::Vector2d::Zero();  ///< in base; zero where the truth is that of base
     std::string truth_path;
@@ -31,13 +31,15 @@ struct EvaluationReference {
 };
 
 /// The truth of a reference, which lives as long as this does.
-inline std::shared_ptr<const std::vector<StampedPose>> truth_of(
+inline std::shared_ptr<const StampedPath> truth_of(
     const std::shared_ptr<const EvaluationReference>& reference) {
     return {reference, &reference->truth};
 }
 
 /// Reads the files of [evaluation]: call it before the run, so that a file that can't be used is known early.
-/// Null if there are none. Throws CommandError(exit_input_data), one sentence with file:line.
-std::shared_ptr<const EvaluationReference> load_evaluation_reference(const EvaluationSettings& settings);
+/// Null if there are none. Throws CommandError(exit_input_data), one sentence with file:line. The truth is kept
+/// in a folder that may have to be made, or in memory if it has no name.
+std::shared_ptr<const EvaluationReference> load_evaluation_reference(
+    const EvaluationSettings& settings, const std::filesystem::path& scratch_folder = {});
 
 }  // namespace loopline

@@ -12,32 +12,18 @@ namespace {
 constexpr double longest_gap_s = 1;
 constexpr double pass_m = 5, pass_factor = 1.5;
 
-bool earlier(const StampedPose& a, const StampedPose& b) {
-    return a.stamp_ns < b.stamp_ns;
-}
-
-bool in_order_of_stamps(const std::vector<StampedPose>& poses) {
-    return std::is_sorted(poses.begin(), poses.end(), earlier);
-}
-
 }  // namespace
 
-TruePath::TruePath(std::vector<StampedPose> poses) {
-    if (!in_order_of_stamps(poses)) std::stable_sort(poses.begin(), poses.end(), earlier);
-    poses_ = std::make_shared<const std::vector<StampedPose>>(std::move(poses));
-}
-
-TruePath TruePath::sharing(std::shared_ptr<const std::vector<StampedPose>> poses) {
-    if (!in_order_of_stamps(*poses)) return TruePath(*poses);
-    TruePath path;
-    path.poses_ = std::move(poses);
-    return path;
+TruePath::TruePath(std::shared_ptr<const StampedPath> poses) : poses_(std::move(poses)) {
+    StampedPath sorted;
+    if (&in_order_of_stamps(*poses_, sorted) == &sorted)
+        poses_ = std::make_shared<const StampedPath>(std::move(sorted));
 }
 
 const ScrewSegment& TruePath::segment_to(std::size_t right) {
     Segment& segment = right % 2 == 0 ? even_ : odd_;
     if (segment.right != right) {
-        const StampedPose &a = poses()[right - 1], &b = poses()[right];
+        const StampedPose a = poses()[right - 1], b = poses()[right];
         segment = {right, ScrewSegment(a.stamp_ns, a.T_map_base, b.stamp_ns, b.T_map_base)};
     }
     return segment.screw;
@@ -46,8 +32,8 @@ const ScrewSegment& TruePath::segment_to(std::size_t right) {
 std::optional<Pose3> TruePath::at(StampNs stamp_ns) {
     const auto& poses = *poses_;
     const auto encloses = [&](std::size_t right) {
-        return right > 0 && right < poses.size() && poses[right - 1].stamp_ns <= stamp_ns &&
-               stamp_ns <= poses[right].stamp_ns;
+        return right > 0 && right < poses.size() && poses.stamp_ns(right - 1) <= stamp_ns &&
+               stamp_ns <= poses.stamp_ns(right);
     };
     if (!encloses(right_)) {
         if (encloses(right_ + 1)) {
@@ -61,7 +47,7 @@ std::optional<Pose3> TruePath::at(StampNs stamp_ns) {
             right_ = static_cast<std::size_t>(index);
         }
     }
-    if (seconds_between(poses[right_ - 1].stamp_ns, poses[right_].stamp_ns) > longest_gap_s)
+    if (seconds_between(poses.stamp_ns(right_ - 1), poses.stamp_ns(right_)) > longest_gap_s)
         return std::nullopt;
     return segment_to(right_).at(stamp_ns);
 }

@@ -47,16 +47,15 @@ struct PointEstimate {
 class TruePath {
  public:
     /// Poses in any order.
-    TruePath(std::vector<StampedPose> poses);
-    /// The same without a copy, if they are in order.
-    static TruePath sharing(std::shared_ptr<const std::vector<StampedPose>> poses);
+    TruePath(const std::vector<StampedPose>& poses) : TruePath(std::make_shared<const StampedPath>(poses)) {}
+    /// The same, without a copy if they are in order.
+    explicit TruePath(std::shared_ptr<const StampedPath> poses);
 
     /// `nullopt` outside of the path and in gaps of more than a second. Quick for times in order.
     std::optional<Pose3> at(StampNs stamp_ns);
-    const std::vector<StampedPose>& poses() const { return *poses_; }  ///< in the order of their stamps
+    const StampedPath& poses() const { return *poses_; }  ///< in the order of their stamps
 
  private:
-    TruePath() = default;
     /// Between a pose and the one before it.
     struct Segment {
         std::size_t right = 0;  ///< of the two; 0: none yet
@@ -64,7 +63,7 @@ class TruePath {
     };
     const ScrewSegment& segment_to(std::size_t right);
 
-    std::shared_ptr<const std::vector<StampedPose>> poses_;
+    std::shared_ptr<const StampedPath> poses_;
     std::size_t right_ = 0;  ///< of the pair in use; 0: none
     Segment even_, odd_;     ///< the latest with such a `right`: a scan lies on two as a rule
 };

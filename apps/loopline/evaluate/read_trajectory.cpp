@@ -23,23 +23,37 @@ StampedPose kitti_pose(const TextRow& row, std::size_t index) {
 }  // namespace
 
 TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::string& what, Needed needed) {
+    std::vector<StampedPose> poses;
+    TrajectoryFile trajectory =
+        read_trajectory(file, what, needed, [&poses](const StampedPose& pose) { poses.push_back(pose); });
+    trajectory.poses = std::move(poses);
+    return trajectory;
+}
+
+TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::string& what, Needed needed,
+                               const std::function<void(const StampedPose&)>& take) {
     TrajectoryFile trajectory;
+    std::size_t poses = 0;
+    const auto take_pose = [&](const StampedPose& pose) {
+        ++poses;
+        take(pose);
+    };
     const std::size_t columns = columns_of_first_row(file, what);
     trajectory.has_stamps = columns != 12;
     trajectory.has_orientation = columns != 3;
-    if (columns == 8) trajectory.poses = read_tum(file);
-    const auto take = [&](const TextRow& row) {
+    if (columns == 8) read_tum(file, take_pose);
+    const auto take_row = [&](const TextRow& row) {
         if (columns != 4 && columns != 12 && !(columns == 3 && needed == Needed::positions))
             row.fail("a trajectory has 8 columns (TUM), 4 (t x y theta) or 12 (KITTI), this line has " +
                      std::to_string(columns));
         if (row.size() != columns)
             row.fail("this line has " + std::to_string(row.size()) + " columns, the first one has " +
                      std::to_string(columns));
-        if (columns <= 4) trajectory.poses.push_back(planar_pose(row));
-        if (columns == 12) trajectory.poses.push_back(kitti_pose(row, trajectory.poses.size()));
+        if (columns <= 4) take_pose(planar_pose(row));
+        if (columns == 12) take_pose(kitti_pose(row, poses));
     };
-    if (columns != 8) for_each_row(file, what, take);
-    if (trajectory.poses.empty())
+    if (columns != 8) for_each_row(file, what, take_row);
+    if (poses == 0)
         throw CommandError(exit_input_data, file.string() + " has no pose in it; give " + what +
                                                 " as TUM (t x y z qx qy qz qw), "
                                                 "\"t x y theta\" or KITTI poses");

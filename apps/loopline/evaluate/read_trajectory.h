@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,5 +24,8 @@ enum class Needed { poses, positions };
 /// CommandError(exit_input_data), one sentence with file:line, if there is no pose in it or a row is wrong.
 TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::string& what,
                                Needed needed = Needed::poses);
+/// The same, with the poses handed over one after the other instead.
+TrajectoryFile read_trajectory(const std::filesystem::path& file, const std::string& what, Needed needed,
+                               const std::function<void(const StampedPose&)>& take);
 
 }  // namespace loopline

@@ -84,8 +84,8 @@ std::size_t write_tum(const std::filesystem::path& file, const Trajectory& traje
     std::size_t left_out = 0;
     const std::size_t first = estimate == Estimate::online ? trajectory.known_from() : 0;
     for (std::size_t i = first; i < trajectory.size(); ++i) {
-        const TrajectoryEntry& entry = trajectory.entries()[i];
-        const Pose3& pose = estimate == Estimate::latest ? entry.T_map_base : trajectory.T_map_base_online(i);
+        const TrajectoryEntry entry = trajectory[i];
+        const Pose3 pose = estimate == Estimate::latest ? entry.T_map_base : trajectory.T_map_base_online(i);
         if (!pose.translation_m.allFinite() || !pose.rotation.coeffs().allFinite()) {
             ++left_out;
             continue;
@@ -100,13 +100,16 @@ std::size_t write_tum(const std::filesystem::path& file, const Trajectory& traje
 }
 
 std::vector<StampedPose> read_tum(const std::filesystem::path& file) {
+    std::vector<StampedPose> poses;
+    read_tum(file, [&poses](const StampedPose& pose) { poses.push_back(pose); });
+    return poses;
+}
+
+void read_tum(const std::filesystem::path& file, const std::function<void(const StampedPose&)>& take) {
     std::ifstream in(file);
     if (!in || !std::filesystem::is_regular_file(file))
         throw CommandError(exit_input_data, "can't read the trajectory " + file.string() +
                                                 ": there is no such file; give one in TUM format");
-    constexpr std::uintmax_t short_line_bytes = 64;
-    std::vector<StampedPose> poses;
-    poses.reserve(std::filesystem::file_size(file) / short_line_bytes + 1);
     std::string line, problem;
     std::vector<std::string_view> words;
     for (std::size_t number = 1; std::getline(in, line); ++number) {
@@ -116,9 +119,8 @@ std::vector<StampedPose> read_tum(const std::filesystem::path& file) {
         if (!pose)
             throw CommandError(exit_input_data, file.string() + ":" + std::to_string(number) + ": the line " +
                                                     problem + "; give a trajectory in TUM format");
-        poses.push_back(*pose);
+        take(*pose);
     }
-    return poses;
 }
 
 }  // namespace loopline

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "api/trajectory.h"
+#include "output/stamped_path.h"
 
 namespace loopline {
 
@@ -18,14 +20,11 @@ enum class Estimate {
 /// finite.
 std::size_t write_tum(const std::filesystem::path& file, const Trajectory& trajectory, Estimate estimate);
 
-struct StampedPose {
-    StampNs stamp_ns = 0;
-    Pose3 T_map_base;
-};
-
 /// All poses in file order; lines that are empty or start with "#" are skipped. Quaternions are normalised.
 /// Throws CommandError(exit_input_data) with one sentence and file:line if the file is missing or anything in
 /// it is not a pose.
 std::vector<StampedPose> read_tum(const std::filesystem::path& file);
+/// The same, one after the other.
+void read_tum(const std::filesystem::path& file, const std::function<void(const StampedPose&)>& take);
 
 }  // namespace loopline

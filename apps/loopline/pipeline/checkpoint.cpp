@@ -120,20 +120,42 @@ std::vector<std::string> modules_without_state(const Experiment& experiment) {
     return names;
 }
 
-void write_checkpoint(const fs::path& file, const CheckpointHead& head, const ModuleChain& chain,
-                      Recorder& recorder, CheckpointSink::Safety safety) {
-    RecorderState recorded = recorder.state();
-    CheckpointSink sink(file);
-    mrpt::serialization::CArchiveStreamBase<CheckpointSink> archive(sink);
+namespace {
+
+using SinkArchive = mrpt::serialization::CArchiveStreamBase<CheckpointSink>;
+
+/// For a state that outlives the run, and the files beside it.
+class WholeArchive : public SinkArchive, public HoldsEverything {
+ public:
+    using SinkArchive::SinkArchive;
+};
+
+void write_state_of_run(CheckpointSink& sink, mrpt::serialization::CArchive& archive, CheckpointHead head,
+                        const ModuleChain& chain, RecorderState recorded, CheckpointSink::Safety safety) {
     StateWriter writer(archive);
-    CheckpointHead written = head;
     std::vector<ModuleTiming> timings = chain.timings();
-    writer(written, recorded, timings);
+    writer(head, recorded, timings);
     for (const auto& module : chain.modules()) {
         module->save_state(archive);
         writer.form("end of " + module->info().name, 0);
     }
     sink.commit(safety);
+}
+
+}  // namespace
+
+void write_checkpoint(const fs::path& file, const CheckpointHead& head, const ModuleChain& chain,
+                      Recorder& recorder) {
+    CheckpointSink sink(file);
+    SinkArchive archive(sink);
+    write_state_of_run(sink, archive, head, chain, recorder.state(), CheckpointSink::Safety::disk);
+}
+
+void write_kept_state(const fs::path& file, const CheckpointHead& head, const ModuleChain& chain,
+                      Recorder& recorder) {
+    CheckpointSink sink(file);
+    WholeArchive archive(sink);
+    write_state_of_run(sink, archive, head, chain, recorder.state(), CheckpointSink::Safety::file);
 }
 
 void write_beginning(const fs::path& file, const CheckpointHead& head) {

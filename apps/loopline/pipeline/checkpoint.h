@@ -59,10 +59,14 @@ std::string build_of_this_program();
 /// Whether every module of the experiment can go on from a checkpoint; else the names of those that can't.
 std::vector<std::string> modules_without_state(const Experiment& experiment);
 
-/// Writes `file` into a folder that exists, replacing it only when the new one is whole. Throws std::exception, with the reason, if
-/// that fails.
+/// Writes `file` into a folder that exists, replacing it only when the new one is whole. What the modules have
+/// set aside in files is not in it. Throws std::exception, with the reason, if that fails.
 void write_checkpoint(const std::filesystem::path& file, const CheckpointHead& head, const ModuleChain& chain,
-                      Recorder& recorder, CheckpointSink::Safety safety);
+                      Recorder& recorder);
+
+/// One to be kept after the run, which has that in it too, and need not outlive a loss of power.
+void write_kept_state(const std::filesystem::path& file, const CheckpointHead& head, const ModuleChain& chain,
+                      Recorder& recorder);
 
 /// One of a run that has seen nothing yet: `head.items` is 0. It is not worth waiting for the disk.
 void write_beginning(const std::filesystem::path& file, const CheckpointHead& head);

@@ -115,7 +115,7 @@ bool Checkpoints::write(std::uint64_t items) {
         const CheckpointHead now = head(items);  // with the logs' hashes, which are needed at the end anyway
         const auto start = Clock::now();
         made_folder_ = std::filesystem::create_directories(setup_.folder) || made_folder_;
-        write_checkpoint(checkpoint_in(setup_.folder), now, chain_, recorder_, CheckpointSink::Safety::disk);
+        write_checkpoint(checkpoint_in(setup_.folder), now, chain_, recorder_);
         written_at_ = items;
         schedule(pause_per_writing * std::chrono::duration<double>(Clock::now() - start).count());
         return true;
@@ -136,7 +136,7 @@ void Checkpoints::keep_state(std::uint64_t items) {
         const auto file = setup_.folder / kept_state_name(loop_at_hand_);
         made_folder_ = std::filesystem::create_directories(setup_.folder) || made_folder_;
         std::filesystem::create_directories(file.parent_path());
-        write_checkpoint(file, now, chain_, recorder_, CheckpointSink::Safety::file);
+        write_kept_state(file, now, chain_, recorder_);
         kept_.push_back({loop_at_hand_, items, std::filesystem::file_size(file)});
         thin_kept_states(setup_.folder, static_cast<std::uint64_t>(setup_.experiment.outputs.states_mb * 1e6),
                          kept_);

@@ -8,12 +8,14 @@
 
 #include "api/loop_closer.h"
 #include "api/observation_class.h"
+#include "api/set_aside.h"
 #include "commands/command.h"
 #include "pipeline/checkpoints.h"
 #include "pipeline/log_source.h"
 #include "pipeline/module_chain.h"
 #include "pipeline/progress.h"
 #include "pipeline/recorder.h"
+#include "pipeline/run_scratch.h"
 
 namespace loopline {
 namespace {
@@ -102,17 +104,16 @@ std::unique_ptr<FeaturePointHits> watched_points(const RunSetup& setup) {
     const auto& reference = setup.reference;
     if (!reference || reference->surveyed.points.empty() || reference->truth.empty()) return nullptr;
     return std::make_unique<FeaturePointHits>(
-        reference->surveyed.points, TruePath::sharing(truth_of(reference)), reference->scan_duration_s);
+        reference->surveyed.points, TruePath(truth_of(reference)), reference->scan_duration_s);
 }
 
 /// How many of the scans, which are in the log's order as the poses are, have a pose.
-std::uint64_t poses_among(const std::vector<std::uint64_t>& scan_sequences, const Trajectory& trajectory) {
+std::uint64_t poses_among(const SetAside<std::uint64_t>& scan_sequences, const Trajectory& trajectory) {
     std::uint64_t count = 0;
-    auto scan = scan_sequences.begin();
+    std::size_t scan = 0;
     for (const TrajectoryEntry& entry : trajectory.entries()) {
-        scan = std::find_if(scan, scan_sequences.end(),
-                            [&entry](std::uint64_t sequence) { return sequence >= entry.sequence; });
-        if (scan != scan_sequences.end() && *scan == entry.sequence) ++count;
+        while (scan < scan_sequences.size() && scan_sequences[scan] < entry.sequence) ++scan;
+        if (scan < scan_sequences.size() && scan_sequences[scan] == entry.sequence) ++count;
     }
     return count;
 }
@@ -137,6 +138,7 @@ void set_status(RunRecord& record, bool interrupted, bool damaged) {
 
 std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRecord& record) {
     const auto& experiment = setup.experiment;
+    const auto scratch_folder = scratch_folder_of(setup);
     LogSource source(experiment.run.rawlogs, attempt.rules, Mounting(experiment.mount));
     Recorder recorder(setup.folder, experiment.outputs.record);
     ModuleChain::Listener record_published;
@@ -144,14 +146,15 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
         record_published = [&recorder](const StreamItem& item) { recorder.take(*item.observation); };
     ModuleChain chain(experiment.modules, attempt.rules.state, std::move(record_published));
     Progress progress("estimating", !setup.quiet);
-    chain.start({setup.threads, experiment.run.seed, setup.calibrates});
+    chain.start({setup.threads, experiment.run.seed, setup.calibrates, scratch_folder});
     Checkpoints checkpoints(setup, attempt, chain, recorder);
 
     const auto stop_requested = [&] {
         return attempt.rules.state != nullptr && attempt.rules.state->stop_requested;
     };
     const auto points = watched_points(setup);
-    std::vector<std::uint64_t> scan_sequences;
+    SetAside<std::uint64_t> scan_sequences;
+    scan_sequences.keep_unseen_in(scratch_folder);
     std::uint64_t items = 0;
     bool interrupted = false;
     for (StreamItem item; source.next(item); ++items) {

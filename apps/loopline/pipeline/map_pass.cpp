@@ -66,8 +66,10 @@ void map_pass(const RunSetup& setup, const Attempt& attempt, std::uint64_t items
     };
     LogSource source(setup.experiment.run.rawlogs, attempt.rules, Mounting(setup.experiment.mount));
     Progress progress("drawing maps", !setup.quiet);
-    for (const auto& drawing : drawings)
-        drawing.builder->start({setup.threads, setup.experiment.run.seed}, *drawing.trajectory);
+    RunContext context;
+    context.threads = setup.threads;
+    context.seed = setup.experiment.run.seed;
+    for (const auto& drawing : drawings) drawing.builder->start(context, *drawing.trajectory);
     for (StreamItem item; source.next(item) && item.sequence < items;) {
         for (auto& drawing : drawings) {
             at_work(drawing, item.sequence);

@@ -10,6 +10,7 @@
 #include "pipeline/estimate_pass.h"
 #include "pipeline/map_pass.h"
 #include "pipeline/run_outputs.h"
+#include "pipeline/run_scratch.h"
 
 namespace loopline {
 namespace {
@@ -55,6 +56,7 @@ void set_cost(RunRecord& record, const RunSetup& setup) {
 int run_experiment(const RunSetup& setup, const Attempt& attempt) {
     RunRecord record;
     const std::uint64_t items = estimate_pass(setup, attempt, record);
+    if (record.can_resume && setup.scratch != nullptr) setup.scratch->keep();
     map_pass(setup, attempt, items, record);
     write_results(setup, record, attempt.rules.state);
     tell_problems(record);

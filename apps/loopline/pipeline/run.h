@@ -13,11 +13,13 @@
 namespace loopline {
 
 class Checkpoint;
+class RunScratch;
 
 struct RunSetup {
     Experiment experiment;
     std::filesystem::path folder;  ///< the run directory; made when there is something to write
     std::shared_ptr<const EvaluationReference> reference;
+    RunScratch* scratch = nullptr;  ///< null: what is set aside stays in memory
     int threads = 1;
     bool quiet = false;
     bool calibrates = false;  ///< the run is for Results::calibrations, and leaves no checkpoint

@@ -2,6 +2,7 @@
 
 #include "commands/command.h"
 #include "output/run_directory.h"
+#include "pipeline/run_scratch.h"
 #include "render/render.h"
 #include "render/scene_content.h"
 
@@ -18,7 +19,7 @@ void evaluate(const RunSetup& setup, RunRecord& record) {
         record.results.metrics.insert(evaluation.metrics.begin(), evaluation.metrics.end());
         record.warnings.insert(record.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
     };
-    add(evaluate_run(*record.trajectory, setup.reference));
+    add(evaluate_run(*record.trajectory, setup.reference, scratch_folder_of(setup)));
     add(evaluate_points(record.feature_points.points, record.feature_points.missed));
     if (setup.reference)
         add(evaluate_surveys(record.results, record.odometry_results, *record.trajectory, record.odometry,

@@ -14,8 +14,7 @@ namespace loopline {
 /// A correction, with what is said about it.
 struct CorrectionContent {
     const PathCorrection& correction;
-    const std::vector<std::vector<Eigen::Vector2f>>&
-        frame_points_base_m;  ///< may be of fewer frames, or more
+    FramePoints frame_points_base_m;  ///< may be of fewer frames, or more
     std::string title;
     std::string subtitle;
 };
