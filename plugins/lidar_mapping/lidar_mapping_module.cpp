@@ -3,9 +3,6 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(LidarMappingModule, Module, loopline)
@@ -14,7 +11,8 @@ using namespace lidar_mapping;
 
 ModuleInfo LidarMappingModule::info() const {
     return {"lidar_mapping",
-            "Odometry and local map of a spinning lidar: each sweep is matched with the planes and edges of those before.",
+            "Odometry and local map of a spinning lidar: each sweep is matched with the planes and edges of "
+            "those before.",
             {},
             {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"},
             {"CObservationRobotPose"}};
@@ -29,7 +27,8 @@ ParameterTable LidarMappingModule::parameters() {
         .real("map_voxel_m", s.map_voxel_m, {0.01, 10},
               "The map takes one return of a sweep from each cube of this edge.")
         .real("match_voxel_m", s.match_voxel_m, {0.01, 10}, "And one from each of these is matched with it.")
-        .real("cell_m", s.map.cell_m, {0.05, 10}, "Edge of the map's smallest cubes, each with one plane or edge.")
+        .real("cell_m", s.map.cell_m, {0.05, 10},
+              "Edge of the map's smallest cubes, each with one plane or edge.")
         .integer("sizes", s.map.sizes, {1, 5}, "Sizes of cubes, each twice as large as the one before.")
         .real("keep_radius_m", s.map.keep_radius_m, {10, 10000}, "What is farther away is forgotten.")
         .real("sigma_range_m", s.map.sigma_range_m, {1e-3, 1}, "Standard deviation of a range.")
@@ -48,6 +47,7 @@ ParameterTable LidarMappingModule::parameters() {
 void LidarMappingModule::start(const RunContext& context) {
     reader_ = std::make_unique<lidar::SpinningScanReader>(cloud_sweep_);
     mapping_ = std::make_unique<SweepMapping>(settings_, context.threads);
+    sweeps_.keep_in(context.scratch_folder, "lidar_mapping_sweeps");
 }
 
 void LidarMappingModule::process(const StreamItem& item, Publisher& publisher) {
@@ -58,23 +58,48 @@ void LidarMappingModule::process(const StreamItem& item, Publisher& publisher) {
         return;
     }
     const Registration& found = mapping_->add(scan_);
-    if (getenv("DBG")) { auto& t=found.state.T_map_base.translation_m; auto &v=found.state.velocity; auto &g=found.degeneracy; fprintf(stderr,"DBG %zu p %.3f %.3f %.3f v %.3f %.3f %.3f w %.4f %.4f %.4f fit %.2f rms %.2f used %d it %d conv %d cells %zu pts %zu free %d weak %.3f (%.2f %.2f %.2f)\n",trajectory_.size(),t.x(),t.y(),t.z(),v.shift_m.x(),v.shift_m.y(),v.shift_m.z(),v.turn_rad.x(),v.turn_rad.y(),v.turn_rad.z(),found.fit,found.rms_sigmas,found.used,found.iterations,found.converged,mapping_->map().cells(),scan_.points.size(),g.free_directions,g.weakest_sigma_m,g.weakest[0],g.weakest[1],g.weakest[2]); }
+    degenerate_ += found.degeneracy.free_directions > 0 ? 1 : 0;
+    // From the middle of the sweep to the stamp.
     const double middle_s = (scan_.begin_s + scan_.end_s) / 2;
     const Pose3 T_map_base = found.state.T_map_base * exp_se3(found.state.velocity * -middle_s);
     const Matrix6d covariance = found.state.covariance.topLeftCorner<6, 6>();
-    trajectory_.append(item.sequence, item.stamp_ns, T_map_base, covariance);
+    Sweep sweep;
+    sweep.sequence = item.sequence;
+    sweep.stamp_ns = item.stamp_ns;
+    const auto& t = T_map_base.translation_m;
+    const auto& q = T_map_base.rotation;
+    sweep.T_map_base = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+    Eigen::Map<Matrix6d>(sweep.covariance.data()) = covariance;
+    sweeps_.push_back(sweep);
+    publish(item, T_map_base, covariance, publisher);
+}
+
+void LidarMappingModule::publish(const StreamItem& item, const Pose3& T_map_base, const Matrix6d& covariance,
+                                 Publisher& publisher) const {
     auto published = mrpt::obs::CObservationRobotPose::Create();
     published->sensorLabel = published_label;
     published->timestamp = item.observation->timestamp;
-    const auto& q = T_map_base.rotation;
-    const auto& t = T_map_base.translation_m;
-    published->pose.mean =
-        mrpt::poses::CPose3D(mrpt::math::CQuaternionDouble(q.w(), q.x(), q.y(), q.z()), t.x(), t.y(), t.z());
+    published->pose.mean = mrpt::poses::CPose3D(
+        mrpt::math::CQuaternionDouble(T_map_base.rotation.w(), T_map_base.rotation.x(),
+                                      T_map_base.rotation.y(), T_map_base.rotation.z()),
+        T_map_base.translation_m.x(), T_map_base.translation_m.y(), T_map_base.translation_m.z());
+    // Our (shift, turn about x, y, z) as MRPT's (x y z yaw pitch roll), for an attitude that is nearly level.
+    constexpr int of_ours[6] = {0, 1, 2, 5, 4, 3};
+    for (int row = 0; row < 6; ++row)
+        for (int column = 0; column < 6; ++column)
+            published->pose.cov(row, column) = covariance(of_ours[row], of_ours[column]);
     publisher.publish(published, item.sequence);
 }
 
 void LidarMappingModule::finish(Results& results) {
+    for (const Sweep sweep : sweeps_) {
+        const auto& v = sweep.T_map_base;
+        trajectory_.append(sweep.sequence, sweep.stamp_ns,
+                           Pose3({v[0], v[1], v[2]}, Eigen::Quaterniond(v[6], v[3], v[4], v[5])),
+                           Matrix6d(Eigen::Map<const Matrix6d>(sweep.covariance.data())));
+    }
     results.metrics["map_cells"] = static_cast<std::int64_t>(mapping_->map().cells());
+    results.metrics["scans_degenerate"] = degenerate_;
     if (unusable_ > 0) results.metrics["scans_unusable"] = unusable_;
 }
 

@@ -28,8 +28,8 @@ MotionState predict(const MotionState& state, double duration_s, const MotionNoi
     Eigen::Matrix<double, 6, 1> sigma;
     sigma << Eigen::Vector3d::Constant(noise.sigma_acceleration_mps2),
         Eigen::Vector3d::Constant(noise.sigma_turn_radps2);
-    next.covariance = F * state.covariance * F.transpose() +
-                      G * sigma.cwiseAbs2().asDiagonal() * G.transpose();
+    next.covariance =
+        F * state.covariance * F.transpose() + G * sigma.cwiseAbs2().asDiagonal() * G.transpose();
     return next;
 }
 

@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -53,7 +52,6 @@ struct NormalEquations {
         range_m += o.range_m;
         used += o.used;
     }
-
 };
 
 /// What a sweep says about (shift, turn), by directions, a turn counting by what it moves at the mean range.
@@ -125,8 +123,7 @@ void add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, 
         e2 = distance * distance * per_variance;
         loss = 1 / (1 + e2 * per_scale2);
         const double w = per_variance * loss;
-        const Eigen::Vector3d a =
-            distance > 1e-9 ? Eigen::Vector3d(across / distance) : d.unitOrthogonal();
+        const Eigen::Vector3d a = distance > 1e-9 ? Eigen::Vector3d(across / distance) : d.unitOrthogonal();
         sums.add(a, arm, s, distance, w);
         sums.add(d.cross(a), arm, s, 0, w);
         sums.squares += e2 / 2;
@@ -174,8 +171,7 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
         const HeldDirections held(sums, settings.sigma_degenerate_m);
         result.degeneracy = held.degeneracy();
         result.information = held.information();
-        static const int RAW=getenv("RAW")?atoi(getenv("RAW")):0;
-        const Evidence scan(sums, RAW ? sums.pose : result.information);
+        const Evidence scan(sums, result.information);
         information = scan.information + prior;
         const Vector12d step =
             information.ldlt().solve(scan.gradient + prior * difference(predicted, result.state));

@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
-#include <cstdlib>
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -35,9 +34,7 @@ Eigen::Vector3f place_in(const Eigen::Vector3d& p_map_m, double per_edge, const 
 }
 
 std::uint64_t part_of(const Eigen::Vector3f& u) {
-    const auto part = [](float v) {
-        return std::clamp(static_cast<int>((v + 0.5F) * parts), 0, parts - 1);
-    };
+    const auto part = [](float v) { return std::clamp(static_cast<int>((v + 0.5F) * parts), 0, parts - 1); };
     return std::uint64_t{1} << ((part(u.x()) * parts + part(u.y())) * parts + part(u.z()));
 }
 
@@ -156,8 +153,10 @@ void SurfaceMap::look(const Size& size, const Eigen::Vector3d& p_map_m, SurfaceM
         leverage += b_m * b_m * cell->per_beside_m2;
     }
     const float per_return_m2 = cell->variance_m2 / n, of_surface_m2 = per_return_m2 * leverage;
-    static const float TT=getenv("TT")?(float)atof(getenv("TT")):0.1F;
-    if (cell->kind == SurfaceKind::plane && per_return_m2 * cell->per_beside_m2 > TT*TT) return;
+    if (cell->kind == SurfaceKind::plane &&
+        per_return_m2 * cell->per_beside_m2 >
+            static_cast<float>(settings_.max_sigma_normal_rad * settings_.max_sigma_normal_rad))
+        return;
     if (of_surface_m2 > static_cast<float>(settings_.max_sigma_m * settings_.max_sigma_m)) return;
     const float variance_m2 = cell->variance_m2 + of_surface_m2;
     if (best.kind != SurfaceKind::none && variance_m2 >= best.variance_m2) return;

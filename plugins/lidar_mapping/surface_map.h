@@ -1,5 +1,5 @@
-/// A local map of surfaces: space in cubes of a few sizes, each with the plane or the edge that the returns in
-/// it make. (Planes of cubes: Yuan, Xu, Liu, Hong, Zhang 2022, "Efficient and probabilistic adaptive voxel
+/// A local map of surfaces: space in cubes of a few sizes, each with the plane or the edge that the returns
+/// in it make. (Planes of cubes: Yuan, Xu, Liu, Hong, Zhang 2022, "Efficient and probabilistic adaptive voxel
 /// mapping"; planes and edges as the two kinds of features: Zhang and Singh 2014.)
 #pragma once
 
@@ -18,8 +18,8 @@ struct SurfaceMatch {
     SurfaceKind kind = SurfaceKind::none;
     Eigen::Vector3f direction_map;  ///< normal of a plane, direction of an edge
     Eigen::Vector3f offset_m;       ///< the place minus a point of the surface
-    /// Of a return about the surface there: its scatter, and what the surface itself is uncertain by, more the
-    /// farther off it is from the returns that it was made of.
+    /// Of a return about the surface there: its scatter, and what the surface itself is uncertain by, more
+    /// the farther off it is from the returns that it was made of.
     float variance_m2 = 0;
     /// Of a plane: two directions in it, and the variances of the normal's error towards each.
     Eigen::Vector3f along_map, beside_map;
@@ -29,10 +29,11 @@ struct SurfaceMatch {
 struct SurfaceMapSettings {
     double cell_m = 0.5;  ///< edge of the smallest cubes; each next size is twice as large
     int sizes = 2;
-    int min_returns = 6;           ///< in different parts of a cube
-    double sigma_range_m = 0.02;   ///< no surface is known to be flatter than this
-    double max_thickness_m = 0.1;  ///< standard deviation about a plane or an edge
-    double max_sigma_m = 0.1;      ///< a surface less certain than this at a place is none there
+    int min_returns = 6;                 ///< in different parts of a cube
+    double sigma_range_m = 0.02;         ///< no surface is known to be flatter than this
+    double max_thickness_m = 0.1;        ///< standard deviation about a plane or an edge
+    double max_sigma_normal_rad = 0.05;  ///< a plane whose direction is less certain says nothing
+    double max_sigma_m = 0.1;            ///< a surface less certain than this at a place is none there
     double keep_radius_m = 110;
 };
 
@@ -54,6 +55,8 @@ class SurfaceMap {
     std::size_t bytes() const;
 
  private:
+    template <class Archive>
+    friend void fields(Archive&, SurfaceMap&);
     struct Cell {
         VoxelKey key = no_voxel;
         std::uint64_t seen = 0;  ///< which of its 4 x 4 x 4 parts have given a return; one of each counts

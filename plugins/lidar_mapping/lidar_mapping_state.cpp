@@ -1,0 +1,69 @@
+/// What a break between two sweeps must keep.
+#include "api/state_archive.h"
+#include "lidar_mapping/lidar_mapping_module.h"
+
+namespace loopline {
+namespace lidar_mapping {
+
+template <class Archive>
+void fields(Archive& archive, SweepPoint& point) {
+    archive(point.p_base_m, point.time_s);
+}
+
+template <class Archive>
+void fields(Archive& archive, MotionState& state) {
+    archive(state.T_map_base.translation_m, state.T_map_base.rotation.coeffs(), state.velocity.shift_m,
+            state.velocity.turn_rad, state.covariance);
+}
+
+/// Cubes in the order of their table; where in a table a cube lies changes nothing.
+template <class Archive>
+void fields(Archive& archive, SurfaceMap& map) {
+    for (auto& size : map.sizes_) {
+        std::uint64_t slots = size.table.size(), used = size.used;
+        archive(slots, used);
+        const auto cube = [&archive](SurfaceMap::Cell& c) {
+            archive(c.key, c.seen);
+            for (auto& x : c.sum) archive(x);
+            for (auto& x : c.squares) archive(x);
+            for (auto& x : c.direction) archive(x);
+            for (auto& x : c.along) archive(x);
+            archive(c.variance_m2, c.per_along_m2, c.per_beside_m2, c.returns, c.fitted, c.kind);
+        };
+        if constexpr (Archive::reading) {
+            size.table.assign(slots, {});
+            size.used = 0;
+            for (std::uint64_t k = 0; k < used; ++k) {
+                SurfaceMap::Cell read;
+                cube(read);
+                SurfaceMap::cell_at(size, read.key) = read;
+            }
+        } else {
+            for (SurfaceMap::Cell& cell : size.table)
+                if (cell.key != no_voxel) cube(cell);
+        }
+    }
+}
+
+template <class Archive>
+void fields(Archive& archive, SweepMapping& mapping) {
+    archive(mapping.map_, mapping.first_, mapping.last_.state, mapping.sweeps_, mapping.last_ns_,
+            mapping.forgot_at_m_);
+}
+
+}  // namespace lidar_mapping
+
+template <class Archive>
+void fields(Archive& archive, LidarMappingModule& m) {
+    archive(*m.mapping_, m.sweeps_, m.unusable_, m.degenerate_);
+}
+
+void LidarMappingModule::save_state(mrpt::serialization::CArchive& out) const {
+    write_state(out, info().name, 1, *this);
+}
+
+void LidarMappingModule::load_state(mrpt::serialization::CArchive& in) {
+    read_state(in, info().name, 1, *this);
+}
+
+}  // namespace loopline
