@@ -78,7 +78,7 @@ void ScratchFile::keep_in(fs::path file) {
 void ScratchFile::keep_unseen_in(const fs::path& folder) {
     assert(size_ == 0);
     if (folder.empty()) return;
-    file_ = folder / "unseen";
+    file_ = folder / ("unseen" + std::to_string(::getpid()));
     unseen_ = true;
 }
 

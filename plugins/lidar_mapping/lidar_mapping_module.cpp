@@ -62,7 +62,7 @@ void LidarMappingModule::process(const StreamItem& item, Publisher& publisher) {
     // From the middle of the sweep to the stamp.
     const double middle_s = (scan_.begin_s + scan_.end_s) / 2;
     const Pose3 T_map_base = found.state.T_map_base * exp_se3(found.state.velocity * -middle_s);
-    const Matrix6d covariance = found.state.covariance.topLeftCorner<6, 6>();
+    const Matrix6d covariance = mapping_->covariance();
     Sweep sweep;
     sweep.sequence = item.sequence;
     sweep.stamp_ns = item.stamp_ns;

@@ -47,8 +47,8 @@ void fields(Archive& archive, SurfaceMap& map) {
 
 template <class Archive>
 void fields(Archive& archive, SweepMapping& mapping) {
-    archive(mapping.map_, mapping.first_, mapping.last_.state, mapping.sweeps_, mapping.last_ns_,
-            mapping.forgot_at_m_);
+    archive(mapping.map_, mapping.first_, mapping.last_.state, mapping.covariance_, mapping.sweeps_,
+            mapping.last_ns_, mapping.forgot_at_m_);
 }
 
 }  // namespace lidar_mapping

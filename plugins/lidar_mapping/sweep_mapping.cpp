@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "inertial/rotation_vector.h"
+
 namespace loopline::lidar_mapping {
 
 const Registration& SweepMapping::add(const lidar::SpinningScan& scan) {
@@ -9,6 +11,7 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan) {
     sampler_.thin_out(points_, settings_.match_voxel_m, matched_);
     const StampNs middle_ns = scan.stamp_ns + std::llround(1e9 * (scan.begin_s + scan.end_s) / 2);
     const double duration_s = seconds_between(last_ns_, middle_ns);
+    const Eigen::Vector3d before_m = last_.state.T_map_base.translation_m;
     if (sweeps_ == 0)
         begin();
     else if (sweeps_ == 1)
@@ -16,11 +19,19 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan) {
     else
         last_ = register_sweep(map_, matched_, predict(last_.state, duration_s, settings_.motion),
                                settings_.registration, workers_);
+    carry_covariance(last_.state.T_map_base.translation_m - before_m);
     ++sweeps_;
     last_ns_ = middle_ns;
     add_to_map(points_, last_.state);
     forget();
     return last_;
+}
+
+void SweepMapping::carry_covariance(const Eigen::Vector3d& way_m) {
+    if (sweeps_ == 0) return;
+    Matrix6d F = Matrix6d::Identity();
+    F.topRightCorner<3, 3>() = -inertial::cross_matrix(way_m);  // an error of the attitude turns the way
+    covariance_ = F * covariance_ * F.transpose() + last_.state.covariance.topLeftCorner<6, 6>();
 }
 
 void SweepMapping::begin() {
@@ -48,12 +59,14 @@ void SweepMapping::follow_first(double duration_s) {
         first_.clear();
         return;
     }
-    Registration best;
-    for (double speed_mps = 0; speed_mps <= settings_.first_speed_max_mps;
-         speed_mps += settings_.first_speed_step_mps) {
-        Registration found = try_from({{speed_mps, 0, 0}, {0, 0, 0}});
-        found = try_from(velocity_of(found));
-        if (found.support > 1.1 * best.support) best = found;
+    Registration best = try_from({});
+    double speed_mps = 0;
+    for (int worse = 0; worse < 2 && speed_mps < settings_.first_speed_max_mps;) {
+        speed_mps += settings_.first_speed_step_mps;
+        const Registration found = try_from({{speed_mps, 0, 0}, {0, 0, 0}});
+        const bool better = found.support > 1.1 * best.support;
+        worse = better ? 0 : worse + 1;
+        if (better) best = found;
     }
     last_ = try_from(velocity_of(best));
     first_.clear();

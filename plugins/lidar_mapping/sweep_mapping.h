@@ -24,6 +24,9 @@ class SweepMapping {
         : settings_(settings), map_(settings.map), workers_(threads) {}
 
     const Registration& add(const lidar::SpinningScan& scan);
+    /// Of (shift, turn) of the latest pose in the map of the first sweep, map axes, about the vehicle: the map
+    /// is renewed along the way, so each sweep's error adds to those before.
+    const Matrix6d& covariance() const { return covariance_; }
     const SurfaceMap& map() const { return map_; }
     const std::vector<SweepPoint>& matched() const { return matched_; }
 
@@ -32,6 +35,7 @@ class SweepMapping {
     friend void fields(Archive&, SweepMapping&);
     void begin();
     void follow_first(double duration_s);
+    void carry_covariance(const Eigen::Vector3d& way_m);
     void add_to_map(const std::vector<SweepPoint>& points, const MotionState& state);
     void forget();
 
@@ -43,6 +47,7 @@ class SweepMapping {
     std::vector<Eigen::Vector3d> points_map_m_;
     std::vector<SweepPoint> first_;  ///< the first sweep, until its motion is known
     Registration last_;
+    Matrix6d covariance_ = Matrix6d::Zero();
     std::uint64_t sweeps_ = 0;
     StampNs last_ns_ = 0;
     Eigen::Vector3d forgot_at_m_ = Eigen::Vector3d::Zero();

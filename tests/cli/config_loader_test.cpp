@@ -40,7 +40,7 @@ TEST(PluginLoader, a_module_may_not_take_a_section_of_the_host) {
 }
 
 TEST(PluginLoader, another_version_of_the_contract_is_refused) {
-    expect_refused("wrong_version", {"libold.so", "loopline-api-0", "loopline-api-4"});
+    expect_refused("wrong_version", {"libold.so", "loopline-api-0", "loopline-api-5"});
 }
 
 TEST(PluginLoader, a_library_without_a_version_is_refused_though_one_that_it_needs_has_one) {

@@ -1,6 +1,7 @@
 /// Broken runs of many kinds of modules and logs: each goes on to the same bytes.
 #include "support/resumed_run.h"
 #include "support/ring_log.h"
+#include "support/street_log.h"
 
 using namespace loopline;
 using namespace loopline::testing;
@@ -98,5 +99,17 @@ TEST(ResumedRuns, of_one_that_is_localised_in_a_finished_map) {
         EXPECT_EQ(runs.run("broken", true), exit_configuration);
         write_file(map + "/map.grid.pgm", pgm);
         EXPECT_EQ(runs.run("broken", true), 0);
+    }
+}
+
+TEST(ResumedRuns, of_one_that_follows_a_spinning_lidar) {
+    const BrokenRuns runs(test::street_log(), "checkpoint_items = 1\nmodules = lidar_mapping\n");
+    ASSERT_EQ(runs.run("whole", false), 0);
+    // After the first sweep, whose motion is not known yet, and on the way.
+    for (const std::uint64_t at : {1U, 45U}) {
+        EXPECT_EQ(runs.run("broken", false, Break::kill_all, at), 137);
+        EXPECT_EQ(runs.run("broken", true), 0);
+        runs.expect_same("broken", "whole");
+        std::filesystem::remove_all(runs.path("broken"));
     }
 }
