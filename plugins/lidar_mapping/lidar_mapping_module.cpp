@@ -92,6 +92,11 @@ void LidarMappingModule::publish(const StreamItem& item, const Pose3& T_map_base
 }
 
 void LidarMappingModule::finish(Results& results) {
+    if (sweeps_.empty())
+        results.refused =
+            unusable_ > 0 ? "no sweep of the log has points that module lidar_mapping can use"
+                          : "the log has no sweep of a spinning lidar, which module lidar_mapping is for; "
+                            "see `loopline check` for what it has, and [lidar_mapping] sensors";
     for (const Sweep sweep : sweeps_) {
         const auto& v = sweep.T_map_base;
         trajectory_.append(sweep.sequence, sweep.stamp_ns,

@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <limits>
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -215,12 +214,6 @@ std::size_t SurfaceMap::cells() const {
     std::size_t cells = 0;
     for (const Size& size : sizes_) cells += size.used;
     return cells;
-}
-
-std::size_t SurfaceMap::bytes() const {
-    std::size_t bytes = 0;
-    for (const Size& size : sizes_) bytes += size.table.size() * sizeof(Cell);
-    return bytes;
 }
 
 }  // namespace loopline::lidar_mapping

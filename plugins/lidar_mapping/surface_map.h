@@ -52,7 +52,6 @@ class SurfaceMap {
 
     void clear();
     std::size_t cells() const;
-    std::size_t bytes() const;
 
  private:
     template <class Archive>

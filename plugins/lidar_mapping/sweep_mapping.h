@@ -28,7 +28,6 @@ class SweepMapping {
     /// is renewed along the way, so each sweep's error adds to those before.
     const Matrix6d& covariance() const { return covariance_; }
     const SurfaceMap& map() const { return map_; }
-    const std::vector<SweepPoint>& matched() const { return matched_; }
 
  private:
     template <class Archive>
