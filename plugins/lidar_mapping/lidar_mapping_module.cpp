@@ -27,6 +27,8 @@ ParameterTable LidarMappingModule::parameters() {
         .real("map_voxel_m", s.map_voxel_m, {0.01, 10},
               "The map takes one return of a sweep from each cube of this edge.")
         .real("match_voxel_m", s.match_voxel_m, {0.01, 10}, "And one from each of these is matched with it.")
+        .real("map_step_m", s.map_step_m, {0, 100}, "So far a sweep is from the last one that the map took.")
+        .angle("map_turn_deg", s.map_turn_rad, {0, 180}, "Or so much it is turned.")
         .real("cell_m", s.map.cell_m, {0.05, 10},
               "Edge of the map's smallest cubes, each with one plane or edge.")
         .integer("sizes", s.map.sizes, {1, 5}, "Sizes of cubes, each twice as large as the one before.")

@@ -7,7 +7,7 @@ namespace lidar_mapping {
 
 template <class Archive>
 void fields(Archive& archive, SweepPoint& point) {
-    archive(point.p_base_m, point.time_s);
+    archive(point.p_base_m, point.time_s, point.beam_base);
 }
 
 template <class Archive>
@@ -26,6 +26,7 @@ void fields(Archive& archive, SurfaceMap& map) {
             archive(c.key, c.seen);
             for (auto& x : c.sum) archive(x);
             for (auto& x : c.squares) archive(x);
+            archive(c.noise);
             for (auto& x : c.direction) archive(x);
             for (auto& x : c.along) archive(x);
             archive(c.variance_m2, c.per_along_m2, c.per_beside_m2, c.returns, c.fitted, c.kind);
@@ -46,9 +47,20 @@ void fields(Archive& archive, SurfaceMap& map) {
 }
 
 template <class Archive>
+void fields(Archive& archive, Standstill::Piece& piece) {
+    archive(piece.n, piece.sum_m, piece.squares_m2);
+}
+
+template <class Archive>
+void fields(Archive& archive, Standstill& standstill) {
+    archive(standstill.learnt_, standstill.sweeps_);
+}
+
+template <class Archive>
 void fields(Archive& archive, SweepMapping& mapping) {
     archive(mapping.map_, mapping.first_, mapping.last_.state, mapping.covariance_, mapping.sweeps_,
-            mapping.last_ns_, mapping.forgot_at_m_);
+            mapping.last_ns_, mapping.forgot_at_m_, mapping.added_at_.translation_m,
+            mapping.added_at_.rotation.coeffs(), mapping.standstill_, mapping.stands_);
 }
 
 }  // namespace lidar_mapping

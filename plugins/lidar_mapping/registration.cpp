@@ -13,11 +13,33 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// Of residuals e(x), x = (pose, velocity): a point seen s seconds after the middle of the sweep moves with
 /// the velocity s times as much as with the pose, so three sums over the pose's Jacobians hold all.
-struct NormalEquations {
+struct QuadraticForm {
     Matrix6d pose = Matrix6d::Zero(), both = Matrix6d::Zero(), velocity = Matrix6d::Zero();
+
+    void add(const Vector6d& j, double s, double weight) {
+        const Matrix6d jj = weight * j * j.transpose();
+        pose += jj;
+        both += s * jj;
+        velocity += (s * s) * jj;
+    }
+    void operator+=(const QuadraticForm& o) {
+        pose += o.pose;
+        both += o.both;
+        velocity += o.velocity;
+    }
+    Matrix12d matrix() const {
+        Matrix12d m;
+        m << pose, both, both, velocity;
+        return m;
+    }
+};
+
+/// Normals have errors, which look like information across to them, sum(w J J') = real + chance, and pull
+/// returns to where those were that the surface was made of, sum(w J e) = real + chance: both are known, and
+/// kept beside. (Errors in variables; corrected least squares: Fuller 1987, "Measurement error models", 1.2.)
+struct NormalEquations {
+    QuadraticForm all, chance;
     Vector6d to_pose = Vector6d::Zero(), to_velocity = Vector6d::Zero();
-    /// What the noise of normals adds to `pose`: it looks like information across to them.
-    Matrix6d by_chance = Matrix6d::Zero();
     double squares = 0, support = 0, range_m = 0;
     int used = 0;
 
@@ -26,27 +48,29 @@ struct NormalEquations {
         j << n, arm.cross(n);
         return j;
     }
+    void add_gradient(const Vector6d& j, double s, double weighted_e) {
+        to_pose -= weighted_e * j;
+        to_velocity -= (s * weighted_e) * j;
+    }
     /// A residual `e` along `n`, at `arm` from the vehicle: de = n . shift + (arm x n) . turn.
     void add(const Eigen::Vector3d& n, const Eigen::Vector3d& arm, double s, double e, double weight) {
         const Vector6d j = jacobian(n, arm);
-        const Matrix6d jj = weight * j * j.transpose();
-        pose += jj;
-        both += s * jj;
-        velocity += (s * s) * jj;
-        to_pose -= (weight * e) * j;
-        to_velocity -= (weight * s * e) * j;
+        all.add(j, s, weight);
+        add_gradient(j, s, weight * e);
     }
-    void add_chance(const Eigen::Vector3d& direction, const Eigen::Vector3d& arm, double weight) {
-        const Vector6d j = jacobian(direction, arm);
-        by_chance += weight * j * j.transpose();
+    /// The normal's error towards `across` has the variance `turn`, `offset` is the return's from the
+    /// surface.
+    void add_chance(const Eigen::Vector3d& across, const Eigen::Vector3d& arm, double s, double offset_m,
+                    double weight, double turn) {
+        const Vector6d j = jacobian(across, arm);
+        chance.add(j, s, weight * turn);
+        add_gradient(j, s, -weight * turn * offset_m);
     }
     void operator+=(const NormalEquations& o) {
-        pose += o.pose;
-        both += o.both;
-        velocity += o.velocity;
+        all += o.all;
+        chance += o.chance;
         to_pose += o.to_pose;
         to_velocity += o.to_velocity;
-        by_chance += o.by_chance;
         squares += o.squares;
         support += o.support;
         range_m += o.range_m;
@@ -61,13 +85,14 @@ class HeldDirections {
         : least_(1 / (sigma_limit_m * sigma_limit_m)) {
         const double range_m = std::max(1.0, sums.range_m / std::max(1, sums.used));
         scale_ << 1, 1, 1, 1 / range_m, 1 / range_m, 1 / range_m;
-        eigen_.compute(scale_.asDiagonal() * (sums.pose - sums.by_chance) * scale_.asDiagonal());
+        eigen_.compute(scale_.asDiagonal() * (sums.all.pose - uncertain_chance * sums.chance.pose) *
+                       scale_.asDiagonal());
     }
-    /// The information that is not chance, without the directions that it holds too little.
-    Matrix6d information() const {
-        const Vector6d kept = (eigen_.eigenvalues().array() < least_).select(0, eigen_.eigenvalues());
-        const Matrix6d axes = scale_.cwiseInverse().asDiagonal() * eigen_.eigenvectors();
-        return axes * kept.asDiagonal() * axes.transpose();
+    /// Onto the directions that the sweep holds: T with T real T' what counts of it.
+    Matrix6d onto() const {
+        const Vector6d kept = (eigen_.eigenvalues().array() < least_).select(0, Vector6d::Ones());
+        return scale_.cwiseInverse().asDiagonal() * eigen_.eigenvectors() * kept.asDiagonal() *
+               eigen_.eigenvectors().transpose() * scale_.asDiagonal();
     }
     Degeneracy degeneracy() const {
         Degeneracy result;
@@ -78,27 +103,31 @@ class HeldDirections {
     }
 
  private:
+    /// Chance is known in the mean; what it is in a sweep differs from that.
+    static constexpr double uncertain_chance = 1.5;
     double least_;
     Vector6d scale_;
     Eigen::SelfAdjointEigenSolver<Matrix6d> eigen_;
 };
 
-/// On (pose, velocity). Where the scan's own optimum is, stays; what it counts with, is what is real.
+/// On (pose, velocity): the sweep's own optimum R^-1 g, R what is real, has the covariance R^-1 A R^-1.
 struct Evidence {
     Matrix12d information;
     Vector12d gradient;
 
-    Evidence(const NormalEquations& sums, const Matrix6d& real) {
-        // T A T' = real: T = L V sqrt(r) V' L^-1 with A = L L' and the eigenvalues r of L^-1 real L^-T.
-        const Eigen::LLT<Matrix6d> llt(sums.pose + 1e-6 * Matrix6d::Identity());
-        const Matrix6d L = llt.matrixL(), to_unit = L.inverse();
-        const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(to_unit * real * to_unit.transpose());
-        const Matrix6d& V = eigen.eigenvectors();
-        const Matrix6d T =
-            L * V * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * V.transpose() * to_unit;
-        const Matrix6d both = T * sums.both * T.transpose();
-        information << real, both, both, T * sums.velocity * T.transpose();
-        gradient << T * (T * sums.to_pose), T * (T * sums.to_velocity);
+    Evidence(const NormalEquations& sums, const HeldDirections& held) {
+        const Matrix6d P = held.onto();
+        Matrix12d onto = Matrix12d::Zero();
+        onto.topLeftCorner<6, 6>() = onto.bottomRightCorner<6, 6>() = P;
+        const Matrix12d all = sums.all.matrix(),
+                        real = onto * (all - sums.chance.matrix()) * onto.transpose();
+        Vector12d g;
+        g << sums.to_pose, sums.to_velocity;
+        Matrix12d noise = all;
+        noise.diagonal().array() += 1e-3;
+        const Eigen::LDLT<Matrix12d> ldlt(noise);
+        information = real * ldlt.solve(real);
+        gradient = real * ldlt.solve(onto * g);
     }
 };
 
@@ -113,8 +142,10 @@ void add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, 
         loss = 1 / (1 + e2 * per_scale2);
         const double w = per_variance * loss;
         sums.add(d, arm, s, e, w);
-        sums.add_chance(match.along_map.cast<double>(), arm, w * static_cast<double>(match.turn_along));
-        sums.add_chance(match.beside_map.cast<double>(), arm, w * static_cast<double>(match.turn_beside));
+        const Eigen::Vector3d along = match.along_map.cast<double>(),
+                              beside = match.beside_map.cast<double>();
+        sums.add_chance(along, arm, s, along.dot(off), w, static_cast<double>(match.turn_along));
+        sums.add_chance(beside, arm, s, beside.dot(off), w, static_cast<double>(match.turn_beside));
         sums.squares += e2;
     } else {
         // Both directions across the edge.
@@ -140,13 +171,15 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
     constexpr std::size_t parts = 8;
     std::array<NormalEquations, parts> sums;
     const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
+    const Eigen::Matrix3f beams = R.cast<float>();
     const double per_scale2 = 1 / (settings.loss_scale * settings.loss_scale);
     workers.run(parts, [&](std::size_t part) {
         const std::size_t end = (part + 1) * points.size() / parts;
         for (std::size_t i = part * points.size() / parts; i < end; ++i) {
             const SweepPoint& point = points[i];
             const Eigen::Vector3d arm = R * undistorted(point, state.velocity);
-            const SurfaceMatch match = map.find(state.T_map_base.translation_m + arm);
+            const SurfaceMatch match =
+                map.find({state.T_map_base.translation_m + arm, beams * point.beam_base});
             if (match.kind != SurfaceKind::none)
                 add_point(match, arm, static_cast<double>(point.time_s), per_scale2, sums[part]);
         }
@@ -170,8 +203,8 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
         sums = linearise(map, points, result.state, settings, workers);
         const HeldDirections held(sums, settings.sigma_degenerate_m);
         result.degeneracy = held.degeneracy();
-        result.information = held.information();
-        const Evidence scan(sums, result.information);
+        const Evidence scan(sums, held);
+        result.information = scan.information.topLeftCorner<6, 6>();
         information = scan.information + prior;
         const Vector12d step =
             information.ldlt().solve(scan.gradient + prior * difference(predicted, result.state));

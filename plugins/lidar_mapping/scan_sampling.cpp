@@ -1,6 +1,7 @@
 #include "lidar_mapping/scan_sampling.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace loopline::lidar_mapping {
 
@@ -42,7 +43,8 @@ void ScanSampler::sample(const lidar::SpinningScan& scan, const SamplingSettings
         const Eigen::Vector3f p(point.x_m, point.y_m, point.z_m);
         const float range2 = p.squaredNorm();
         if (!(range2 > least2 && range2 < most2) || !is_first(p)) continue;
-        points.push_back({R * p + t, point.time_s - middle_s});
+        const Eigen::Vector3f arm = R * p;
+        points.push_back({arm + t, point.time_s - middle_s, arm / std::sqrt(range2)});
     }
 }
 

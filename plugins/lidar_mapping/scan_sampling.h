@@ -13,7 +13,8 @@ namespace loopline::lidar_mapping {
 /// A return in the vehicle's frame at the moment of its beam.
 struct SweepPoint {
     Eigen::Vector3f p_base_m;
-    float time_s = 0;  ///< after the middle of the sweep
+    float time_s = 0;           ///< after the middle of the sweep
+    Eigen::Vector3f beam_base;  ///< direction in which it was seen, of length 1
 };
 
 struct SamplingSettings {

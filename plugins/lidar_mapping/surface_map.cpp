@@ -80,7 +80,7 @@ SurfaceMap::Cell& SurfaceMap::cell_at(Size& size, VoxelKey key) {
     }
 }
 
-void SurfaceMap::add(std::size_t which, const Eigen::Vector3d& p_map_m) {
+void SurfaceMap::add(std::size_t which, const Eigen::Vector3d& p_map_m, const Eigen::Matrix3f& noise_m2) {
     Size& size = sizes_[which];
     const VoxelIndex index = index_of(size, p_map_m);
     Cell& cell = cell_at(size, pack(index));
@@ -91,10 +91,15 @@ void SurfaceMap::add(std::size_t which, const Eigen::Vector3d& p_map_m) {
     if ((cell.seen & part) != 0) return;
     cell.seen |= part;
     ++cell.returns;
+    // Noise spreads a single ring on the ground along its beams, or to where the vehicle seemed to be, into a
+    // plane that is none: it is taken out of the squares.
+    const Eigen::Matrix3f noise = static_cast<float>(size.per_edge * size.per_edge) * noise_m2;
     for (Eigen::Index a = 0, k = 0; a < 3; ++a) {
         cell.sum[static_cast<std::size_t>(a)] += u[a];
-        for (Eigen::Index b = 0; b <= a; ++b) cell.squares[static_cast<std::size_t>(k++)] += u[a] * u[b];
+        for (Eigen::Index b = 0; b <= a; ++b)
+            cell.squares[static_cast<std::size_t>(k++)] += u[a] * u[b] - noise(a, b);
     }
+    cell.noise += noise.trace();
     if (cell.returns >= settings_.min_returns && 8 * cell.returns >= 9 * cell.fitted) fit(size, cell);
 }
 
@@ -111,6 +116,10 @@ void SurfaceMap::fit(const Size& size, Cell& cell) const {
     const auto edge2 = static_cast<float>(size.edge_m * size.edge_m),
                thick2 = static_cast<float>(settings_.max_thickness_m * settings_.max_thickness_m),
                noise2 = static_cast<float>(settings_.sigma_range_m * settings_.sigma_range_m);
+    cell.kind = SurfaceKind::none;
+    if (edge2 * eigen.eigenvalues()[0] < -noise2) return;  // more was taken off than there is
+    // What is hardly longer or wider than the noise has no direction.
+    const float least_m2 = std::max(noise2, edge2 * cell.noise / n);
     const Eigen::Vector3f variance_m2 = edge2 * eigen.eigenvalues().cwiseMax(0.0F);
     // A few returns lie on a plane by chance: those of a lidar as it is known are put beside them.
     const auto with_noise = [&](float scatter_m2) {
@@ -118,12 +127,11 @@ void SurfaceMap::fit(const Size& size, Cell& cell) const {
         return (n * scatter_m2 + known * noise2) / (n + known);
     };
     const Eigen::Matrix3f& axes = eigen.eigenvectors();
-    cell.kind = SurfaceKind::none;
-    if (variance_m2[0] < thick2 && variance_m2[1] > 4 * std::max(variance_m2[0], noise2)) {
+    if (variance_m2[0] < thick2 && variance_m2[1] > 4 * std::max(variance_m2[0], least_m2)) {
         cell.kind = SurfaceKind::plane;
         set(cell.direction, axes.col(0));
         cell.variance_m2 = with_noise(variance_m2[0]);
-    } else if (variance_m2[1] < thick2 && variance_m2[2] > 9 * std::max(variance_m2[1], noise2) &&
+    } else if (variance_m2[1] < thick2 && variance_m2[2] > 9 * std::max(variance_m2[1], least_m2) &&
                std::abs(axes(2, 2)) > upright) {
         cell.kind = SurfaceKind::edge;
         set(cell.direction, axes.col(2));
@@ -136,13 +144,13 @@ void SurfaceMap::fit(const Size& size, Cell& cell) const {
     cell.per_beside_m2 = 1 / std::max(variance_m2[1], noise2);
 }
 
-void SurfaceMap::look(const Size& size, const Eigen::Vector3d& p_map_m, SurfaceMatch& best) const {
-    const VoxelIndex index = index_of(size, p_map_m);
+void SurfaceMap::look(const Size& size, const MapReturn& seen, SurfaceMatch& best) const {
+    const VoxelIndex index = index_of(size, seen.p_map_m);
     const Cell* cell = find_cell(size, pack(index));
     if (cell == nullptr || cell->kind == SurfaceKind::none) return;
     const float n = cell->returns;
-    const Eigen::Vector3f offset_m =
-        static_cast<float>(size.edge_m) * (place_in(p_map_m, size.per_edge, index) - vector(cell->sum) / n);
+    const Eigen::Vector3f offset_m = static_cast<float>(size.edge_m) *
+                                     (place_in(seen.p_map_m, size.per_edge, index) - vector(cell->sum) / n);
     const Eigen::Vector3f direction = vector(cell->direction), along = vector(cell->along);
     const float a_m = along.dot(offset_m);
     const Eigen::Vector3f beside = direction.cross(along);
@@ -151,13 +159,17 @@ void SurfaceMap::look(const Size& size, const Eigen::Vector3d& p_map_m, SurfaceM
         const float b_m = beside.dot(offset_m);
         leverage += b_m * b_m * cell->per_beside_m2;
     }
-    const float per_return_m2 = cell->variance_m2 / n, of_surface_m2 = per_return_m2 * leverage;
+    const float across = direction.dot(seen.beam_map),
+                by_range = cell->kind == SurfaceKind::plane ? across * across : 1 - across * across;
+    const float return_m2 =
+        cell->variance_m2 + static_cast<float>(settings_.sigma_range_m * settings_.sigma_range_m) * by_range;
+    const float per_return_m2 = return_m2 / n, of_surface_m2 = per_return_m2 * leverage;
     if (cell->kind == SurfaceKind::plane &&
         per_return_m2 * cell->per_beside_m2 >
             static_cast<float>(settings_.max_sigma_normal_rad * settings_.max_sigma_normal_rad))
         return;
     if (of_surface_m2 > static_cast<float>(settings_.max_sigma_m * settings_.max_sigma_m)) return;
-    const float variance_m2 = cell->variance_m2 + of_surface_m2;
+    const float variance_m2 = return_m2 + of_surface_m2;
     if (best.kind != SurfaceKind::none && variance_m2 >= best.variance_m2) return;
     best = {cell->kind,
             direction,
@@ -169,9 +181,9 @@ void SurfaceMap::look(const Size& size, const Eigen::Vector3d& p_map_m, SurfaceM
             per_return_m2 * cell->per_beside_m2};
 }
 
-SurfaceMatch SurfaceMap::find(const Eigen::Vector3d& p_map_m) const {
+SurfaceMatch SurfaceMap::find(const MapReturn& seen) const {
     SurfaceMatch best;
-    for (const Size& size : sizes_) look(size, p_map_m, best);
+    for (const Size& size : sizes_) look(size, seen, best);
     return best;
 }
 

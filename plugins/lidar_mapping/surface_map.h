@@ -26,9 +26,15 @@ struct SurfaceMatch {
     float turn_along = 0, turn_beside = 0;
 };
 
+/// Where a beam met something. Noise of its range moves it along the beam.
+struct MapReturn {
+    Eigen::Vector3d p_map_m;
+    Eigen::Vector3f beam_map;  ///< of length 1
+};
+
 struct SurfaceMapSettings {
     double cell_m = 0.5;  ///< edge of the smallest cubes; each next size is twice as large
-    int sizes = 2;
+    int sizes = 4;
     int min_returns = 6;                 ///< in different parts of a cube
     double sigma_range_m = 0.02;         ///< no surface is known to be flatter than this
     double max_thickness_m = 0.1;        ///< standard deviation about a plane or an edge
@@ -43,10 +49,11 @@ class SurfaceMap {
     explicit SurfaceMap(const SurfaceMapSettings& settings);
 
     /// Adds to the cubes of one size; sizes have nothing to do with one another.
-    void add(std::size_t size, const Eigen::Vector3d& p_map_m);
+    /// `noise_m2`: covariance of the place, by the range's noise and by what is not known of the pose.
+    void add(std::size_t size, const Eigen::Vector3d& p_map_m, const Eigen::Matrix3f& noise_m2);
     std::size_t sizes() const { return sizes_.size(); }
     /// The most certain surface among those of the cubes around a place; kind `none` if there is none.
-    SurfaceMatch find(const Eigen::Vector3d& p_map_m) const;
+    SurfaceMatch find(const MapReturn& seen) const;
     /// Forgets what is farther than `keep_radius_m`.
     void keep_around(const Eigen::Vector3d& p_map_m);
 
@@ -59,12 +66,13 @@ class SurfaceMap {
     struct Cell {
         VoxelKey key = no_voxel;
         std::uint64_t seen = 0;  ///< which of its 4 x 4 x 4 parts have given a return; one of each counts
-        // Of returns, from the cube's middle, in parts of its edge.
+        // Of returns, from the cube's middle, in parts of its edge; squares without those of noise.
         std::array<float, 3> sum{};
         std::array<float, 6> squares{};
+        float noise = 0;  ///< sum of what was taken off
         // Of the surface: normal of a plane, or direction of an edge.
         std::array<float, 3> direction{}, along{};  ///< `along`: the plane's direction that is known best
-        float variance_m2 = 0;                      ///< across
+        float variance_m2 = 0;                      ///< across, without noise of ranges
         float per_along_m2 = 0, per_beside_m2 = 0;  ///< inverse variances of the returns in the plane
         std::uint8_t returns = 0, fitted = 0;
         SurfaceKind kind = SurfaceKind::none;
@@ -79,7 +87,7 @@ class SurfaceMap {
     static const Cell* find_cell(const Size& size, VoxelKey key);
     static void rebuild(Size& size, std::size_t slots, const VoxelIndex* around, int radius);
     void fit(const Size& size, Cell& cell) const;
-    void look(const Size& size, const Eigen::Vector3d& p_map_m, SurfaceMatch& best) const;
+    void look(const Size& size, const MapReturn& seen, SurfaceMatch& best) const;
 
     SurfaceMapSettings settings_;
     std::vector<Size> sizes_;

@@ -5,11 +5,49 @@
 #include "inertial/rotation_vector.h"
 
 namespace loopline::lidar_mapping {
+namespace {
+
+/// Sweeps that go to the map wherever the vehicle is.
+constexpr std::uint64_t first_sweeps = 5;
+
+MotionState standing_state() {
+    MotionState state;
+    Vector12d sigma;
+    sigma << Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d::Constant(1e-4),
+        Eigen::Vector3d::Constant(1e-2), Eigen::Vector3d::Constant(1e-3);
+    state.covariance = sigma.cwiseAbs2().asDiagonal();
+    return state;
+}
+
+/// Where in the map a return lies is uncertain by its range and by the pose.
+class PlaceNoise {
+ public:
+    PlaceNoise(const Matrix6d& pose_covariance, double sigma_range_m)
+        : range_m2_(static_cast<float>(sigma_range_m * sigma_range_m)),
+          shift_(pose_covariance.topLeftCorner<3, 3>().cast<float>()),
+          turn_(pose_covariance.bottomRightCorner<3, 3>().cast<float>()),
+          both_(pose_covariance.topRightCorner<3, 3>().cast<float>()) {}
+    /// At `arm_m` from the vehicle, along map axes.
+    Eigen::Matrix3f covariance_m2(const Eigen::Vector3f& arm_m, const Eigen::Vector3f& beam_map) const {
+        Eigen::Matrix3f by_turn;  // of the place, -[arm]x
+        by_turn << 0, arm_m.z(), -arm_m.y(), -arm_m.z(), 0, arm_m.x(), arm_m.y(), -arm_m.x(), 0;
+        const Eigen::Matrix3f cross = both_ * by_turn.transpose();
+        return range_m2_ * beam_map * beam_map.transpose() + shift_ + cross + cross.transpose() +
+               by_turn * turn_ * by_turn.transpose();
+    }
+
+ private:
+    float range_m2_;
+    Eigen::Matrix3f shift_, turn_, both_;
+};
+
+}  // namespace
 
 const Registration& SweepMapping::add(const lidar::SpinningScan& scan) {
     sampler_.sample(scan, settings_.sampling, settings_.map_voxel_m, points_);
     sampler_.thin_out(points_, settings_.match_voxel_m, matched_);
     const StampNs middle_ns = scan.stamp_ns + std::llround(1e9 * (scan.begin_s + scan.end_s) / 2);
+    stands_ = stands_ && standstill_.lasts(scan);
     const double duration_s = seconds_between(last_ns_, middle_ns);
     const Eigen::Vector3d before_m = last_.state.T_map_base.translation_m;
     if (sweeps_ == 0)
@@ -17,32 +55,49 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan) {
     else if (sweeps_ == 1)
         follow_first(duration_s);
     else
-        last_ = register_sweep(map_, matched_, predict(last_.state, duration_s, settings_.motion),
-                               settings_.registration, workers_);
+        follow(duration_s);
     carry_covariance(last_.state.T_map_base.translation_m - before_m);
     ++sweeps_;
     last_ns_ = middle_ns;
-    add_to_map(points_, last_.state);
+    if (sweeps_ <= first_sweeps || is_away_from_last_added()) {
+        added_at_ = last_.state.T_map_base;
+        add_to_map(points_, last_.state);
+    }
     forget();
     return last_;
 }
 
+/// Sweeps from nearly the same place, whose poses differ by their errors, would make surfaces of these.
+bool SweepMapping::is_away_from_last_added() const {
+    const Pose3 since = added_at_.inverse() * last_.state.T_map_base;
+    return since.translation_m.norm() > settings_.map_step_m ||
+           inertial::log_so3(since.rotation).norm() > settings_.map_turn_rad;
+}
+
 void SweepMapping::carry_covariance(const Eigen::Vector3d& way_m) {
-    if (sweeps_ == 0) return;
+    if (sweeps_ == 0 || stands_) return;
     Matrix6d F = Matrix6d::Identity();
     F.topRightCorner<3, 3>() = -inertial::cross_matrix(way_m);  // an error of the attitude turns the way
     covariance_ = F * covariance_ * F.transpose() + last_.state.covariance.topLeftCorner<6, 6>();
 }
 
+/// A vehicle that stands is still looked at: whether its surroundings would hold it is reported.
+void SweepMapping::follow(double duration_s) {
+    const MotionState before = last_.state;
+    last_ = register_sweep(map_, matched_, predict(before, duration_s, settings_.motion),
+                           settings_.registration, workers_);
+    if (stands_) last_.state = before;
+}
+
 void SweepMapping::begin() {
-    last_.state = first_state(settings_.motion);
+    last_.state = standing_state();
     first_ = points_;
 }
 
 /// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward, and
 /// the first sweep is put into the map as it was seen from the vehicle at the speed that fits best.
 void SweepMapping::follow_first(double duration_s) {
-    const MotionState first = last_.state;
+    const MotionState first = first_state(settings_.motion);
     const auto try_from = [&](const Twist3& velocity) {
         MotionState state = first;
         state.velocity = velocity;
@@ -54,6 +109,10 @@ void SweepMapping::follow_first(double duration_s) {
     const auto velocity_of = [&](const Registration& found) {
         return log_se3(first.T_map_base.inverse() * found.state.T_map_base) * (1 / duration_s);
     };
+    if (stands_) {
+        first_.clear();
+        return;
+    }
     if (!(duration_s > 0)) {
         last_ = try_from({});
         first_.clear();
@@ -74,11 +133,18 @@ void SweepMapping::follow_first(double duration_s) {
 }
 
 void SweepMapping::add_to_map(const std::vector<SweepPoint>& points, const MotionState& state) {
-    points_map_m_.clear();
-    for (const SweepPoint& point : points)
-        points_map_m_.push_back(state.T_map_base * undistorted(point, state.velocity));
+    returns_.clear();
+    const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
+    const Eigen::Matrix3f beams = R.cast<float>();
+    const double cap=getenv("CAP")?atof(getenv("CAP")):0.1; const double tr=state.covariance.topLeftCorner<3,3>().trace(); const double scale=std::min(1.0,cap*cap/tr);
+    const PlaceNoise noise(scale*state.covariance.topLeftCorner<6, 6>(), settings_.map.sigma_range_m);
+    for (const SweepPoint& point : points) {
+        const Eigen::Vector3d arm_m = R * undistorted(point, state.velocity);
+        returns_.push_back({state.T_map_base.translation_m + arm_m,
+                            noise.covariance_m2(arm_m.cast<float>(), beams * point.beam_base)});
+    }
     workers_.run(map_.sizes(), [&](std::size_t size) {
-        for (const Eigen::Vector3d& p_map_m : points_map_m_) map_.add(size, p_map_m);
+        for (const PlacedReturn& seen : returns_) map_.add(size, seen.p_map_m, seen.noise_m2);
     });
 }
 

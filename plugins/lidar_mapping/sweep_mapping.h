@@ -4,13 +4,15 @@
 #include <vector>
 
 #include "lidar_mapping/registration.h"
+#include "lidar_mapping/standstill.h"
 
 namespace loopline::lidar_mapping {
 
 struct SweepMappingSettings {
     SamplingSettings sampling;
-    double map_voxel_m = 0.25;  ///< of the returns that go to the map
-    double match_voxel_m = 1;   ///< of those that are matched
+    double map_voxel_m = 0.25;                     ///< of the returns that go to the map
+    double match_voxel_m = 1;                      ///< of those that are matched
+    double map_step_m = 0.5, map_turn_rad = 0.05;  ///< from one sweep that goes to the map to the next
     double forget_every_m = 10;
     double first_speed_step_mps = 2, first_speed_max_mps = 36;  ///< that are tried for the first motion
     MotionNoise motion;
@@ -24,16 +26,22 @@ class SweepMapping {
         : settings_(settings), map_(settings.map), workers_(threads) {}
 
     const Registration& add(const lidar::SpinningScan& scan);
-    /// Of (shift, turn) of the latest pose in the map of the first sweep, map axes, about the vehicle: the map
-    /// is renewed along the way, so each sweep's error adds to those before.
+    /// Of (shift, turn) of the latest pose in the map of the first sweep, map axes, about the vehicle: the
+    /// map is renewed along the way, so each sweep's error adds to those before.
     const Matrix6d& covariance() const { return covariance_; }
     const SurfaceMap& map() const { return map_; }
 
  private:
     template <class Archive>
     friend void fields(Archive&, SweepMapping&);
+    struct PlacedReturn {
+        Eigen::Vector3d p_map_m;
+        Eigen::Matrix3f noise_m2;
+    };
     void begin();
     void follow_first(double duration_s);
+    void follow(double duration_s);
+    bool is_away_from_last_added() const;
     void carry_covariance(const Eigen::Vector3d& way_m);
     void add_to_map(const std::vector<SweepPoint>& points, const MotionState& state);
     void forget();
@@ -43,9 +51,12 @@ class SweepMapping {
     SurfaceMap map_;
     WorkerPool workers_;
     std::vector<SweepPoint> points_, matched_;
-    std::vector<Eigen::Vector3d> points_map_m_;
+    std::vector<PlacedReturn> returns_;
     std::vector<SweepPoint> first_;  ///< the first sweep, until its motion is known
     Registration last_;
+    Pose3 added_at_;  ///< of the last sweep that went to the map
+    Standstill standstill_;
+    bool stands_ = true;  ///< since the first sweep
     Matrix6d covariance_ = Matrix6d::Zero();
     std::uint64_t sweeps_ = 0;
     StampNs last_ns_ = 0;

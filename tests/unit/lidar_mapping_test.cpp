@@ -7,6 +7,7 @@
 
 #include "inertial/rotation_vector.h"
 #include "lidar_mapping/registration.h"
+#include "lidar_mapping/standstill.h"
 
 using namespace loopline;
 using namespace loopline::lidar_mapping;
@@ -30,10 +31,10 @@ std::vector<Panel> yard() {
 }
 
 /// Floor and two walls, the same all along x.
-std::vector<Panel> corridor() {
-    return {{{-40, -2, 0}, {80, 0, 0}, {0, 4, 0}},
-            {{-40, -2, 0}, {80, 0, 0}, {0, 0, 3}},
-            {{-40, 2, 0}, {80, 0, 0}, {0, 0, 3}}};
+std::vector<Panel> corridor(double half_m) {
+    return {{{-half_m, -2, 0}, {2 * half_m, 0, 0}, {0, 4, 0}},
+            {{-half_m, -2, 0}, {2 * half_m, 0, 0}, {0, 0, 3}},
+            {{-half_m, 2, 0}, {2 * half_m, 0, 0}, {0, 0, 3}}};
 }
 
 /// Not on the border of two cubes.
@@ -52,6 +53,12 @@ const Panel& any_of(const std::vector<Panel>& panels, std::mt19937_64& random) {
     return panels[by_area(random)];
 }
 
+/// A return as it is in a map that knows nothing of noise, seen straight from above.
+MapReturn from_above(const Eigen::Vector3d& p_map_m) {
+    return {p_map_m, {0, 0, -1}};
+}
+const Eigen::Matrix3f no_noise = Eigen::Matrix3f::Zero();
+
 SurfaceMap map_of(const std::vector<Panel>& panels, double sigma_m, std::mt19937_64& random) {
     SurfaceMap map{SurfaceMapSettings{}};
     std::normal_distribution<double> normal;
@@ -59,7 +66,7 @@ SurfaceMap map_of(const std::vector<Panel>& panels, double sigma_m, std::mt19937
         const Panel& panel = any_of(panels, random);
         const Eigen::Vector3d n = panel.edge_a_m.cross(panel.edge_b_m).normalized();
         const Eigen::Vector3d p = place_on(panel, random) + sigma_m * normal(random) * n;
-        for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, p);
+        for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, p, no_noise);
     }
     return map;
 }
@@ -72,7 +79,7 @@ std::vector<SweepPoint> sweep_of(const std::vector<Panel>& panels, const MotionS
         const double time_s = -0.05 + 0.1 * k / points;
         const Pose3 T_map_base = truth.T_map_base * exp_se3(truth.velocity * time_s);
         const Eigen::Vector3d p = T_map_base.inverse() * place_on(any_of(panels, random), random);
-        sweep.push_back({p.cast<float>(), static_cast<float>(time_s)});
+        sweep.push_back({p.cast<float>(), static_cast<float>(time_s), p.normalized().cast<float>()});
     }
     return sweep;
 }
@@ -165,12 +172,12 @@ TEST(SurfaceMap, plane_of_a_cube_is_that_of_least_squares) {
             const Eigen::Vector3d p =
                 middle + across(random) * a + across(random) * b + 0.01 * normal(random) * n;
             if (p.minCoeff() < 0 || p.maxCoeff() >= 0.5) continue;
-            map.add(0, p);
+            map.add(0, p, no_noise);
             const std::array<int, 3> part = {static_cast<int>(p.x() * 8), static_cast<int>(p.y() * 8),
                                              static_cast<int>(p.z() * 8)};
             if (seen.insert(part).second) counted.push_back(p);
         }
-        const SurfaceMatch match = map.find(middle);
+        const SurfaceMatch match = map.find(from_above(middle));
         if (match.kind != SurfaceKind::plane) continue;
         ++planes;
         Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -189,18 +196,53 @@ TEST(SurfaceMap, plane_of_a_cube_is_that_of_least_squares) {
 TEST(SurfaceMap, what_is_seen_again_at_the_same_place_counts_once) {
     SurfaceMapSettings settings;
     settings.sizes = 1;
+    settings.sigma_range_m = 0.01;
     SurfaceMap map(settings);
     // One ring across a cube, a hundred times: a line, which is no plane.
     for (int round = 0; round < 100; ++round)
-        for (double y = 0.02; y < 0.5; y += 0.04) map.add(0, {0.1 + 0.001 * (round % 7), y, 0.2});
-    EXPECT_EQ(map.find({0.1, 0.2, 0.2}).kind, SurfaceKind::none);
+        for (double y = 0.02; y < 0.5; y += 0.04) map.add(0, {0.1 + 0.001 * (round % 7), y, 0.2}, no_noise);
+    EXPECT_EQ(map.find(from_above({0.1, 0.2, 0.2})).kind, SurfaceKind::none);
     // And what lies between the rings has its part still, when the lidar has moved on.
     for (double x = 0.02; x < 0.5; x += 0.06)
-        for (double y = 0.02; y < 0.5; y += 0.06) map.add(0, {x, y, 0.2});
-    const SurfaceMatch match = map.find({0.4, 0.4, 0.21});
+        for (double y = 0.02; y < 0.5; y += 0.06) map.add(0, {x, y, 0.2}, no_noise);
+    const SurfaceMatch match = map.find(from_above({0.4, 0.4, 0.21}));
     ASSERT_EQ(match.kind, SurfaceKind::plane);
     EXPECT_GT(std::abs(match.direction_map.z()), 0.9999F);
     EXPECT_NEAR(std::abs(match.direction_map.dot(match.offset_m)), 0.01, 1e-3);
+}
+
+/// One ring of a lidar 1.8 m above the ground, 15 m away, seen again and again with noise of its ranges: the
+/// noise spreads it along the beams, into a plane that contains them.
+TEST(SurfaceMap, noise_of_ranges_makes_no_plane_of_a_ring) {
+    std::mt19937_64 random(8);
+    std::normal_distribution<double> normal;
+    const double sigma_m = 0.05;
+    int with = 0, without = 0;
+    for (int run = 0; run < 50; ++run) {
+        SurfaceMapSettings settings;
+        settings.sigma_range_m = 0.01;
+        SurfaceMap told(settings), untold(settings);
+        const Eigen::Vector3d lidar(-15 + 0.01 * run, 0.25, 1.9);
+        for (int k = 0; k < 400; ++k) {
+            const double azimuth = 0.016 * (k % 20 - 9.5) / 10;
+            Eigen::Vector3d beam(std::cos(azimuth), std::sin(azimuth), -1.8 / 15.25);
+            beam.normalize();
+            const double range_m = -1.8 / beam.z() + sigma_m * normal(random);
+            const Eigen::Vector3d p = lidar + range_m * beam;
+            const Eigen::Vector3f b = beam.cast<float>();
+            const Eigen::Matrix3f noise = static_cast<float>(sigma_m * sigma_m) * b * b.transpose();
+            for (std::size_t size = 0; size < told.sizes(); ++size) {
+                told.add(size, p, noise);
+                untold.add(size, p, no_noise);
+            }
+        }
+        const Eigen::Vector3d place(0.25 + 0.01 * run, 0.25, 0.1);
+        const MapReturn seen{place, (place - lidar).normalized().cast<float>()};
+        with += told.find(seen).kind == SurfaceKind::plane ? 1 : 0;
+        without += untold.find(seen).kind == SurfaceKind::plane ? 1 : 0;
+    }
+    EXPECT_EQ(with, 0);
+    EXPECT_GT(without, 10);
 }
 
 TEST(SurfaceMap, forgets_what_is_far_and_keeps_the_rest) {
@@ -211,14 +253,14 @@ TEST(SurfaceMap, forgets_what_is_far_and_keeps_the_rest) {
     for (int k = 0; k < 200000; ++k) {
         std::uniform_real_distribution<double> x(-100, 100), y(-3, 3);
         const Eigen::Vector3d p(x(random), y(random), 0.1);
-        for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, p);
+        for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, p, no_noise);
     }
     const std::size_t before = map.cells();
-    ASSERT_EQ(map.find({50, 1, 0.1}).kind, SurfaceKind::plane);
+    ASSERT_EQ(map.find(from_above({50, 1, 0.1})).kind, SurfaceKind::plane);
     map.keep_around({-10, 0, 0});
     EXPECT_LT(map.cells(), before / 3);
-    EXPECT_EQ(map.find({50, 1, 0.1}).kind, SurfaceKind::none);
-    EXPECT_EQ(map.find({-25, 1, 0.1}).kind, SurfaceKind::plane);
+    EXPECT_EQ(map.find(from_above({50, 1, 0.1})).kind, SurfaceKind::none);
+    EXPECT_EQ(map.find(from_above({-25, 1, 0.1})).kind, SurfaceKind::plane);
 }
 
 TEST(Registration, finds_pose_and_velocity_of_a_sweep_without_noise_again) {
@@ -261,12 +303,11 @@ TEST(Registration, does_not_depend_on_the_number_of_threads) {
 
 TEST(Registration, tells_what_a_corridor_leaves_free_and_keeps_to_the_motion_there) {
     std::mt19937_64 random(7);
-    const auto panels = corridor();
-    const SurfaceMap map = map_of(panels, 0.01, random);
+    const SurfaceMap map = map_of(corridor(45), 0.01, random);
     MotionState truth;
     truth.T_map_base.translation_m = {0, 0.3, 1};
     truth.velocity.shift_m = {5, 0, 0};
-    const auto sweep = sweep_of(panels, truth, 2000, random);
+    const auto sweep = sweep_of(corridor(40), truth, 2000, random);
     Vector12d off = Vector12d::Zero();
     off.head<3>() << 0.3, 0.1, -0.05;
     WorkerPool workers(1);
@@ -279,6 +320,86 @@ TEST(Registration, tells_what_a_corridor_leaves_free_and_keeps_to_the_motion_the
     EXPECT_NEAR(left[2], 0, 0.01);
     EXPECT_GT(found.state.covariance(0, 0), 0.9 * 0.3 * 0.3);
     EXPECT_LT(found.state.covariance(1, 1), 0.01 * 0.01);
+}
+
+/// Ground with hills of a few centimetres, a map of small pieces whose normals are as uncertain as the hills
+/// are steep, and nothing else: the estimate must be about as good as it claims to be, and not be drawn to
+/// where the prediction put it.
+TEST(Registration, claims_no_more_than_it_knows_where_normals_are_uncertain) {
+    std::mt19937_64 random(9);
+    std::normal_distribution<double> normal;
+    const auto height = [](double x, double y) {
+        return 0.08 * std::sin(0.9 * x + 0.4 * y) + 0.08 * std::cos(0.7 * y - 0.5 * x);
+    };
+    std::uniform_real_distribution<double> across(-15, 15);
+    WorkerPool workers(1);
+    double chi2 = 0, error_m2 = 0;
+    constexpr int runs = 20;
+    for (int run = 0; run < runs; ++run) {
+        SurfaceMapSettings settings;
+        settings.sizes = 2;
+        SurfaceMap map(settings);
+        for (int k = 0; k < 40000; ++k) {
+            const double x = across(random), y = across(random);
+            for (std::size_t size = 0; size < 2; ++size)
+                map.add(size, {x, y, height(x, y) + 0.01 * normal(random)}, no_noise);
+        }
+        MotionState truth;
+        truth.T_map_base.translation_m.z() = 1.5;
+        std::vector<SweepPoint> sweep;
+        for (int k = 0; k < 1500; ++k) {
+            const double x = 0.8 * across(random), y = 0.8 * across(random);
+            const Eigen::Vector3d p(x, y, height(x, y) + 0.01 * normal(random) - 1.5);
+            sweep.push_back({p.cast<float>(), 0, p.normalized().cast<float>()});
+        }
+        Vector12d off = Vector12d::Zero();
+        off.head<2>() << 0.1 * normal(random), 0.1 * normal(random);
+        const Registration found = register_sweep(map, sweep, state_near(truth, off, 0.3, 0.03), {}, workers);
+        const Eigen::Matrix<double, 6, 1> e = difference(found.state, truth).head<6>();
+        chi2 += e.dot(found.state.covariance.topLeftCorner<6, 6>().ldlt().solve(e)) / 6 / runs;
+        error_m2 += e.head<2>().squaredNorm() / 2 / runs;
+    }
+    EXPECT_LT(std::sqrt(error_m2), 0.03);
+    EXPECT_LT(chi2, 4);
+}
+
+/// Rings on the floor of a hall, from a lidar that may have moved.
+lidar::SpinningScan rings_in_hall(double moved_m, double sigma_m, std::mt19937_64& random) {
+    std::normal_distribution<double> normal;
+    lidar::SpinningScan scan;
+    for (int ring = 0; ring < 16; ++ring) {
+        scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
+        const double elevation = (15 - 2 * ring) * deg;
+        for (int k = 0; k < 1800; ++k) {
+            const double azimuth = (k + 0.3) * 0.2 * deg - M_PI;
+            const Eigen::Vector3d beam(std::cos(elevation) * std::cos(azimuth),
+                                       std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+            // Walls 12 m and 8 m off, the floor 1.5 m below.
+            double range_m = 60;
+            range_m = std::min(range_m, ((beam.x() > 0 ? 12 - moved_m : -12 - moved_m)) / beam.x());
+            range_m = std::min(range_m, 8 / std::abs(beam.y()));
+            if (beam.z() < 0) range_m = std::min(range_m, -1.5 / beam.z());
+            const Eigen::Vector3f p = ((range_m + sigma_m * normal(random)) * beam).cast<float>();
+            scan.points.push_back({p.x(), p.y(), p.z(), 0});
+        }
+    }
+    scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
+    return scan;
+}
+
+TEST(Standstill, lasts_until_the_vehicle_moves) {
+    std::mt19937_64 random(10);
+    Standstill standstill;
+    for (int sweep = 0; sweep < 300; ++sweep)
+        ASSERT_TRUE(standstill.lasts(rings_in_hall(0, 0.02, random))) << sweep;
+    EXPECT_FALSE(standstill.lasts(rings_in_hall(0.02, 0.02, random)));
+}
+
+TEST(Standstill, is_over_from_the_second_sweep_of_a_vehicle_that_drives) {
+    std::mt19937_64 random(11);
+    Standstill standstill;
+    EXPECT_TRUE(standstill.lasts(rings_in_hall(0, 0.02, random)));
+    EXPECT_FALSE(standstill.lasts(rings_in_hall(0.5, 0.02, random)));
 }
 
 }  // namespace

@@ -1,0 +1,69 @@
+#include "lidar_mapping/standstill.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace loopline::lidar_mapping {
+namespace {
+
+constexpr int pieces = 180;  ///< of a turn
+constexpr int learnt_sweeps = 5;
+constexpr float fewest = 4;  ///< returns in a piece
+constexpr float smooth_m =
+    0.3F;                   ///< a piece across an edge has a larger standard deviation, and says nothing
+constexpr double most = 9;  ///< that one piece may count: somebody may pass by
+
+}  // namespace
+
+void Standstill::measure(const lidar::SpinningScan& scan) {
+    now_.assign(scan.rings() * pieces, {});
+    for (std::size_t ring = 0; ring < scan.rings(); ++ring) {
+        Piece* const of_ring = now_.data() + ring * pieces;
+        for (std::size_t k = scan.ring_begin[ring]; k < scan.ring_begin[ring + 1]; ++k) {
+            const lidar::SpinningPoint& p = scan.points[k];
+            const double turn =
+                std::atan2(static_cast<double>(p.y_m), static_cast<double>(p.x_m)) / (2 * M_PI) + 0.5;
+            Piece& piece = of_ring[std::min(static_cast<int>(turn * pieces), pieces - 1)];
+            const float range_m = std::sqrt(p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m);
+            ++piece.n;
+            piece.sum_m += range_m;
+            piece.squares_m2 += range_m * range_m;
+        }
+    }
+}
+
+/// Mean square of the pieces' changes, in their standard deviations, less 1, by the standard deviation of
+/// that mean if nothing has changed.
+double Standstill::change() const {
+    if (now_.size() != learnt_.size()) return INFINITY;
+    double sum = 0, count = 0;
+    for (std::size_t k = 0; k < now_.size(); ++k) {
+        const Piece &a = now_[k], &b = learnt_[k];
+        if (a.n < fewest || b.n < fewest) continue;
+        const double mean_a = a.sum_m / a.n, mean_b = b.sum_m / b.n;
+        const double scatter_m2 =
+            std::max(0.0, b.squares_m2 / b.n - mean_b * mean_b) * b.n / (b.n - 1) + 1e-6;
+        if (scatter_m2 > smooth_m * smooth_m) continue;
+        const double d2 = (mean_a - mean_b) * (mean_a - mean_b) / (scatter_m2 * (1 / a.n + 1 / b.n));
+        sum += std::min(d2, most);
+        ++count;
+    }
+    return count < 100 ? INFINITY : (sum / count - 1) / std::sqrt(2 / count);
+}
+
+bool Standstill::lasts(const lidar::SpinningScan& scan) {
+    measure(scan);
+    const double c = learnt_.empty() ? 0 : change();
+    constexpr double contradiction = 6;
+    if (c > contradiction) return false;
+    if (learnt_.empty()) learnt_.resize(now_.size());
+    if (sweeps_++ < learnt_sweeps)
+        for (std::size_t k = 0; k < now_.size(); ++k) {
+            learnt_[k].n += now_[k].n;
+            learnt_[k].sum_m += now_[k].sum_m;
+            learnt_[k].squares_m2 += now_[k].squares_m2;
+        }
+    return true;
+}
+
+}  // namespace loopline::lidar_mapping
