@@ -1,0 +1,9 @@
+#include <mrpt/core/initializer.h>
+
+#include "cloud_map/cloud_map_module.h"
+
+LOOPLINE_PLUGIN();
+
+MRPT_INITIALIZER(register_loopline_cloud_map) {
+    mrpt::rtti::registerClass(CLASS_ID(loopline::CloudMapModule));
+}
