@@ -19,7 +19,7 @@ struct RemovalSettings {
     int views = 24;             ///< that judge a place before, and as many after it was first seen
     int least_through = 2;      ///< views that must have looked through a place
     double through_per_seen = 1;  ///< and so many for each view that saw something there
-    int surely_there = 6;  ///< views that saw something there, while none looked through, are enough: it stands still
+    int surely_there = 4;  ///< views that saw something there, while none looked through, are enough: it stands still
 };
 
 struct CloudMapSettings {
