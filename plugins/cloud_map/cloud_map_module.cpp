@@ -19,7 +19,8 @@ constexpr std::size_t most_waiting = 20;  ///< sweeps: longer, no pose comes
 
 ModuleInfo CloudMapModule::info() const {
     return {"cloud_map",
-            "Puts the sweeps of a spinning lidar together to a cloud, one point a voxel, each at the pose of its own "
+            "Puts the sweeps of a spinning lidar together to a cloud, one point a voxel, each at the pose of "
+            "its own "
             "time, without what moved; nothing of it is computed with [outputs] maps = false.",
             {"CObservationRobotPose"},
             {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"},
@@ -32,7 +33,8 @@ ParameterTable CloudMapModule::parameters() {
     ParameterTable table("cloud_map", info().sentence);
     table.list("sensors", sensors_, "Labels of the lidars whose sweeps are used; empty for all.")
         .text("poses", poses_,
-              "Label under which the module publishes whose poses carry the sweeps; empty: the first to publish any.")
+              "Label under which the module publishes whose poses carry the sweeps; empty: the first to "
+              "publish any.")
         .real("voxel_m", s.voxel_m, {0.03, 10}, "One point, the first, is kept in every cube with this edge.")
         .real("min_range_m", s.min_range_m, {0, 100}, "Nearer returns are of the vehicle itself.")
         .real("max_range_m", s.max_range_m, {1, 1000}, "Farther returns are left out.")

@@ -1,5 +1,5 @@
-/// Module "cloud_map": sweeps of a spinning lidar and the poses of a module before it in, the cloud of all that stands still
-/// out.
+/// Module "cloud_map": sweeps of a spinning lidar and the poses of a module before it in, the cloud of all
+/// that stands still out.
 #pragma once
 
 #include <deque>

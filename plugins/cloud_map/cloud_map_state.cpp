@@ -32,7 +32,8 @@ void fields(Archive& archive, PoseWindow& window) {
 template <class Archive>
 void fields(Archive& archive, RangeView& view) {
     const auto sector = [](auto& a, RangeView::Sector& s) { a(s.R_lidar_map, s.from_origin_m); };
-    archive(view.origin_m_, view.slopes_, view.ring_at_, view.first_slope_, view.bins_per_slope_, view.columns_);
+    archive(view.origin_m_, view.slopes_, view.ring_at_, view.first_slope_, view.bins_per_slope_,
+            view.columns_);
     archive.each(view.sectors_, sector);
     plain(archive, view.ranges_);
 }
@@ -50,7 +51,8 @@ void fields(Archive& archive, Tile& tile) {
     archive(tile.blocks_);
     if constexpr (Archive::reading) {
         tile.place_of_.clear();
-        for (std::uint32_t k = 0; k < tile.blocks_.size(); ++k) tile.place_of_[pack(tile.blocks_[k].index)] = k;
+        for (std::uint32_t k = 0; k < tile.blocks_.size(); ++k)
+            tile.place_of_[pack(tile.blocks_[k].index)] = k;
     }
 }
 

@@ -6,8 +6,9 @@
 namespace loopline::cloud_map {
 namespace {
 
-constexpr double tile_m = 25;          // about
-constexpr double beyond_range_m = 15;  // where a tile is forgotten: not at once, for a vehicle that goes to and fro
+constexpr double tile_m = 25;  // about
+constexpr double beyond_range_m =
+    15;  // where a tile is forgotten: not at once, for a vehicle that goes to and fro
 
 std::int32_t floor_divide(std::int32_t a, std::int32_t b) {
     return a / b - (a % b != 0 && (a ^ b) < 0 ? 1 : 0);
@@ -40,7 +41,8 @@ bool CloudMapper::add(const lidar::SpinningScan& scan, const std::vector<std::ui
     return true;
 }
 
-void CloudMapper::insert_points(const lidar::SpinningScan& scan, const std::vector<std::uint16_t>& intensity) {
+void CloudMapper::insert_points(const lidar::SpinningScan& scan,
+                                const std::vector<std::uint16_t>& intensity) {
     const auto least2 = static_cast<float>(settings_.min_range_m * settings_.min_range_m),
                most2 = static_cast<float>(settings_.max_range_m * settings_.max_range_m);
     const double stamp_s = seconds_between(store_.cloud().first_ns, scan.stamp_ns);
@@ -79,7 +81,7 @@ Tile& CloudMapper::tile_of(const CubeIndex& block) {
 }
 
 void CloudMapper::insert(const Eigen::Vector3d& p_map_m, std::uint32_t time_ticks, std::uint16_t intensity) {
-    constexpr double limit_m = 2e5;                // of CloudPoint
+    constexpr double limit_m = 2e5;  // of CloudPoint
     if (!(p_map_m.cwiseAbs().maxCoeff() < limit_m)) return;
     CubeIndex of_block;
     unsigned place = 0;
@@ -168,7 +170,8 @@ CloudPoint CloudMapper::point_of(const Block& block, const Candidate& candidate)
     return point;
 }
 
-void CloudMapper::judge(Tile& tile, bool is_last, std::vector<CloudPoint>& given, std::uint64_t& moving) const {
+void CloudMapper::judge(Tile& tile, bool is_last, std::vector<CloudPoint>& given,
+                        std::uint64_t& moving) const {
     for (Block& block : tile.blocks()) {
         if (block.candidates().empty()) continue;
         block.judge([&](Candidate& candidate) {

@@ -1,4 +1,5 @@
-/// The map of a spinning lidar: one point a voxel, without what moved, on disk but for the surroundings of the vehicle.
+/// The map of a spinning lidar: one point a voxel, without what moved, on disk but for the surroundings of
+/// the vehicle.
 #pragma once
 
 #include <deque>
@@ -14,12 +15,13 @@ namespace loopline::cloud_map {
 struct RemovalSettings {
     bool remove_moving = true;
     ViewSettings view;
-    double view_spacing_m = 2;  ///< a sweep becomes a view after so much way,
-    double view_spacing_s = 1;  ///< or so much time
-    int views = 24;             ///< that judge a place before, and as many after it was first seen
-    int least_through = 2;      ///< views that must have looked through a place
+    double view_spacing_m = 2;    ///< a sweep becomes a view after so much way,
+    double view_spacing_s = 1;    ///< or so much time
+    int views = 24;               ///< that judge a place before, and as many after it was first seen
+    int least_through = 2;        ///< views that must have looked through a place
     double through_per_seen = 1;  ///< and so many for each view that saw something there
-    int surely_there = 4;  ///< views that saw something there, while none looked through, are enough: it stands still
+    int surely_there =
+        4;  ///< views that saw something there, while none looked through, are enough: it stands still
 };
 
 struct CloudMapSettings {
@@ -30,8 +32,8 @@ struct CloudMapSettings {
 
 /// What memory holds, and what came of the rest.
 struct CloudMapCounts {
-    std::uint64_t returns = 0;  ///< within the range gate
-    std::uint64_t moving = 0;   ///< points left out since others looked through them
+    std::uint64_t returns = 0;                           ///< within the range gate
+    std::uint64_t moving = 0;                            ///< points left out since others looked through them
     std::uint64_t most_blocks = 0, most_candidates = 0;  ///< held at any time
 };
 
@@ -41,8 +43,8 @@ class CloudMapper {
 
     /// The map lies in `folder` from now on; before the first sweep.
     void keep_in(const std::filesystem::path& folder) { store_.keep_in(folder); }
-    /// Adds a sweep; false where `T_map_base` has no pose for a moment of it. `intensity`: of each point of the scan, or
-    /// empty.
+    /// Adds a sweep; false where `T_map_base` has no pose for a moment of it. `intensity`: of each point of
+    /// the scan, or empty.
     bool add(const lidar::SpinningScan& scan, const std::vector<std::uint16_t>& intensity,
              const PoseAt& T_map_base);
     /// Decides on all that is left. The map is complete then.

@@ -25,8 +25,9 @@ class PoseWindow {
     /// Keeps one pose before `stamp_ns`, and all after it.
     void forget_before(StampNs stamp_ns);
 
-    /// At constant twist between the two neighbours; before the first and after the last pose, and on the near
-    /// side of a gap, the motion next to it goes on, by no more than `max_gap_s`. None farther from any pose.
+    /// At constant twist between the two neighbours; before the first and after the last pose, and on the
+    /// near side of a gap, the motion next to it goes on, by no more than `max_gap_s`. None farther from any
+    /// pose.
     std::optional<Pose3> at(StampNs stamp_ns) const;
 
  private:

@@ -9,10 +9,10 @@ namespace {
 constexpr auto pi = static_cast<float>(M_PI);
 constexpr int bins = 1024;
 constexpr int fewest_columns = 180, most_columns = 4096;
-constexpr int fewest_returns = 4;  ///< of the six beams about a place
+constexpr int fewest_returns = 4;  ///< of the six beams or more about a place
 
 /// Abramowitz and Stegun 1964, 4.4.49, as turns counter-clockwise from behind: 0 .. 1, right to 1e-5 rad.
-float azimuth_turns(float y, float x) {
+inline float azimuth_turns(float y, float x) {
     const float ax = std::abs(x), ay = std::abs(y);
     const float z = std::min(ax, ay) / std::max(std::max(ax, ay), 1e-9f), z2 = z * z;
     const float octant =
@@ -32,9 +32,12 @@ int part_of_turn(float turns, int count) {
 
 RangeView::RangeView(const lidar::SpinningScan& scan, const SweepMotion& motion)
     : origin_m_(motion.middle_m()) {
+    std::vector<float> turns(scan.points.size());
+    for (std::size_t i = 0; i < turns.size(); ++i)
+        turns[i] = azimuth_turns(scan.points[i].y_m, scan.points[i].x_m);
     find_slopes(scan);
-    find_sectors(scan, motion);
-    fill(scan);
+    find_sectors(scan, turns, motion);
+    fill(scan, turns);
 }
 
 void RangeView::find_slopes(const lidar::SpinningScan& scan) {
@@ -63,12 +66,15 @@ void RangeView::find_slopes(const lidar::SpinningScan& scan) {
     }
 }
 
-/// The pose of each sector is that of the mean time of its returns; a sector without any takes its neighbour's.
-void RangeView::find_sectors(const lidar::SpinningScan& scan, const SweepMotion& motion) {
+/// The pose of each sector is that of the mean time of its returns; a sector without any takes its
+/// neighbour's.
+void RangeView::find_sectors(const lidar::SpinningScan& scan, const std::vector<float>& turns,
+                             const SweepMotion& motion) {
     std::vector<double> time_s(sectors, 0);
     std::vector<int> count(sectors, 0);
-    for (const lidar::SpinningPoint& p : scan.points) {
-        const auto sector = static_cast<std::size_t>(part_of_turn(azimuth_turns(p.y_m, p.x_m), sectors));
+    for (std::size_t i = 0; i < turns.size(); ++i) {
+        const lidar::SpinningPoint& p = scan.points[i];
+        const auto sector = static_cast<std::size_t>(part_of_turn(turns[i], sectors));
         // The sweep begins within a sector: what is of its end must not count with what is of its beginning.
         if (count[sector] > 0 &&
             std::abs(p.time_s - time_s[sector] / count[sector]) > 0.5 * (scan.end_s - scan.begin_s))
@@ -88,15 +94,16 @@ void RangeView::find_sectors(const lidar::SpinningScan& scan, const SweepMotion&
 }
 
 /// The nearest return of each cell.
-void RangeView::fill(const lidar::SpinningScan& scan) {
+void RangeView::fill(const lidar::SpinningScan& scan, const std::vector<float>& turns) {
     ranges_.assign(static_cast<std::size_t>(columns_) * slopes_.size(), 0);
     for (std::size_t ring = 0; ring < scan.rings(); ++ring)
         for (std::uint32_t i = scan.ring_begin[ring]; i < scan.ring_begin[ring + 1]; ++i) {
             const auto& p = scan.points[i];
-            const int column = part_of_turn(azimuth_turns(p.y_m, p.x_m), columns_);
+            const int column = part_of_turn(turns[i], columns_);
             const float range_m = std::sqrt(p.x_m * p.x_m + p.y_m * p.y_m + p.z_m * p.z_m);
             const auto range = static_cast<std::uint16_t>(std::min(range_m / range_unit_m, 65535.0f));
-            std::uint16_t& cell = ranges_[ring * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column)];
+            std::uint16_t& cell =
+                ranges_[ring * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column)];
             if (cell == 0 || range < cell) cell = range;
         }
 }
@@ -127,15 +134,18 @@ Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSetting
     }
     turns = azimuth_turns(p.y(), p.x());
     const float level_m = std::sqrt(p.x() * p.x() + p.y() * p.y());
-    const int upper = ring_above(p.z() / std::max(level_m, 1e-3f));
+    const float slope = p.z() / std::max(level_m, 1e-3f), off = static_cast<float>(settings.sigma_slope);
+    const int upper = ring_above(slope + off);
     if (upper < 0 || upper + 1 >= rings()) return Evidence::none;
+    int lower = upper + 1;
+    while (lower + 1 < rings() && slopes_[static_cast<std::size_t>(lower)] > slope - off) ++lower;
     const float range_m = std::sqrt(p.squaredNorm());
     const float margin_m = static_cast<float>(settings.margin_m + settings.margin_per_m * range_m);
     const auto beyond = static_cast<int>((range_m + margin_m) / range_unit_m),
                before = static_cast<int>((range_m - margin_m) / range_unit_m);
     const int column = part_of_turn(turns, columns_);
     int returns = 0, there = 0, nearer = 0;
-    for (int row = upper; row <= upper + 1; ++row)
+    for (int row = upper; row <= lower; ++row)
         for (int c = column - 1; c <= column + 1; ++c) {
             const int wrapped = c < 0 ? c + columns_ : c >= columns_ ? c - columns_ : c;
             const int range = ranges_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +

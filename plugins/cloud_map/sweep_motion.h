@@ -14,8 +14,8 @@ namespace loopline::cloud_map {
 
 using PoseAt = std::function<std::optional<Pose3>(StampNs stamp_ns)>;
 
-/// T_map_lidar at moments `step` apart, and between them along the chord: a turn of 1 rad/s for 3 ms leaves it by
-/// 1e-6 rad, an acceleration of 10 m/s2 by 12 um.
+/// T_map_lidar at moments `step` apart, and between them along the chord: a turn of 1 rad/s for 3 ms leaves
+/// it by 1e-6 rad, an acceleration of 10 m/s2 by 12 um.
 class SweepMotion {
  public:
     /// False where `T_map_base` has no pose for a moment of the sweep.

@@ -12,7 +12,8 @@ void Block::hold(const Candidate& candidate) {
 }
 
 Block& Tile::block(const CubeIndex& index) {
-    const auto [found, is_new] = place_of_.try_emplace(pack(index), static_cast<std::uint32_t>(blocks_.size()));
+    const auto [found, is_new] =
+        place_of_.try_emplace(pack(index), static_cast<std::uint32_t>(blocks_.size()));
     if (is_new) blocks_.emplace_back(index);
     return blocks_[found->second];
 }

@@ -16,7 +16,8 @@ using CubeIndex = std::array<std::int32_t, 3>;
 constexpr std::uint64_t pack(const CubeIndex& index) {
     constexpr std::uint64_t mask = (std::uint64_t{1} << 21) - 1;
     return (static_cast<std::uint64_t>(index[0]) & mask) << 42 |
-           (static_cast<std::uint64_t>(index[1]) & mask) << 21 | (static_cast<std::uint64_t>(index[2]) & mask);
+           (static_cast<std::uint64_t>(index[1]) & mask) << 21 |
+           (static_cast<std::uint64_t>(index[2]) & mask);
 }
 
 /// The point of a voxel on which is not decided yet.
@@ -40,7 +41,9 @@ class Block {
     CubeIndex index{};  ///< in units of a block's edge
 
     /// Whether a voxel has given its point to the map, or holds a candidate.
-    bool is_taken(unsigned place) const { return ((given_[place / 64] | held_[place / 64]) >> (place % 64) & 1) != 0; }
+    bool is_taken(unsigned place) const {
+        return ((given_[place / 64] | held_[place / 64]) >> (place % 64) & 1) != 0;
+    }
     void hold(const Candidate& candidate);
     void give(unsigned place) { given_[place / 64] |= bit(place); }
 

@@ -50,8 +50,8 @@ void find_rings_by_elevation(const std::vector<BeamDirection>& directions, Rings
 /// Keeps its memory from cloud to cloud.
 class CloudReader {
  public:
-    /// Rings by order, else by elevation. No point may lie on the lidar's own axis. `sources`, if wanted: the place in
-    /// `points_m` of each point of the scan.
+    /// Rings by order, else by elevation. No point may lie on the lidar's own axis. `sources`, if wanted: the
+    /// place in `points_m` of each point of the scan.
     void read(const std::vector<Eigen::Vector3f>& points_m, const SweepConvention& convention,
               SpinningScan& scan, std::vector<std::uint32_t>* sources = nullptr);
 

@@ -145,8 +145,8 @@ bool SpinningScanReader::read_image(const mrpt::obs::CObservationRotatingScan& i
     return true;
 }
 
-bool SpinningScanReader::read_packets(const mrpt::obs::CObservationVelodyneScan& packets,
-                                      SpinningScan& scan, Intensity* intensity) {
+bool SpinningScanReader::read_packets(const mrpt::obs::CObservationVelodyneScan& packets, SpinningScan& scan,
+                                      Intensity* intensity) {
     std::vector<double> elevations_deg;
     for (const auto& laser : packets.calibration.laser_corrections)
         elevations_deg.push_back(laser.verticalCorrection);
@@ -183,8 +183,9 @@ bool SpinningScanReader::read_points(const mrpt::obs::CObservationPointCloud& cl
     const auto& x_m = cloud.pointcloud->getPointsBufferRef_x();
     const auto& y_m = cloud.pointcloud->getPointsBufferRef_y();
     const auto& z_m = cloud.pointcloud->getPointsBufferRef_z();
-    const auto* with_intensity =
-        intensity != nullptr ? dynamic_cast<const mrpt::maps::CPointsMapXYZI*>(cloud.pointcloud.get()) : nullptr;
+    const auto* with_intensity = intensity != nullptr
+                                     ? dynamic_cast<const mrpt::maps::CPointsMapXYZI*>(cloud.pointcloud.get())
+                                     : nullptr;
     std::vector<std::uint16_t> as_stored;
     points_m_.clear();
     for (std::size_t i = 0; i < x_m.size(); ++i) {

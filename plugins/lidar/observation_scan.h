@@ -38,16 +38,19 @@ class SpinningScanReader {
     /// False, and nothing in `scan`, if that is no scan of such a lidar: another class, a stamp that is
     /// missing, a model whose elevations nobody knows, numbers that are none, or not a single return.
     ///
-    /// `intensity`, if wanted: of each point of the scan, 65535 being full scale; empty if the observation has none.
+    /// `intensity`, if wanted: of each point of the scan, 65535 being full scale; empty if the observation
+    /// has none.
     bool read(const mrpt::obs::CObservation& observation, SpinningScan& scan,
               std::vector<std::uint16_t>* intensity = nullptr);
 
  private:
     using Intensity = std::vector<std::uint16_t>;
-    bool read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan, Intensity* intensity);
+    bool read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan,
+                    Intensity* intensity);
     bool read_packets(const mrpt::obs::CObservationVelodyneScan& packets, SpinningScan& scan,
                       Intensity* intensity);
-    bool read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan, Intensity* intensity);
+    bool read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan,
+                     Intensity* intensity);
 
     SweepConvention cloud_sweep_;
     RangeImageReader images_;

@@ -84,13 +84,16 @@ int main(int argc, char** argv) {
     std::vector<mrpt::obs::CObservation::Ptr> sweeps;
     log.for_each_sweep([&](const auto& sweep) { sweeps.push_back(sweep); });
     const Outcome all = run(log, sweeps, keys, false), kept = run(log, sweeps, keys, true);
-    std::printf("%zu sweeps\n%-22s %12s %12s %10s %10s\n", sweeps.size(), "", "still", "moving", "ms/sweep", "worst ms");
+    std::printf("%zu sweeps\n%-22s %12s %12s %10s %10s\n", sweeps.size(), "", "still", "moving", "ms/sweep",
+                "worst ms");
     for (const auto* o : {&all, &kept})
         std::printf("%-22s %12zu %12zu %10.2f %10.2f\n", o == &all ? "all points" : "moving ones removed",
                     o->count.still, o->count.moving, o->sweep_ms, o->worst_ms);
-    std::printf("still points kept: %.3f %%, moving points removed: %.2f %%\n",
-                100.0 * double(kept.count.still) / double(std::max<std::size_t>(1, all.count.still)),
-                100.0 - 100.0 * double(kept.count.moving) / double(std::max<std::size_t>(1, all.count.moving)));
+    std::printf(
+        "still points kept: %.3f %%, moving points removed: %.2f %%\n",
+        100.0 * double(kept.count.still) / double(std::max<std::size_t>(1, all.count.still)),
+        100.0 - 100.0 * double(kept.count.moving) / double(std::max<std::size_t>(1, all.count.moving)));
     for (const auto& [key, value] : kept.metrics)
-        if (const auto* count = std::get_if<std::int64_t>(&value)) std::printf("%s %lld\n", key.c_str(), static_cast<long long>(*count));
+        if (const auto* count = std::get_if<std::int64_t>(&value))
+            std::printf("%s %lld\n", key.c_str(), static_cast<long long>(*count));
 }

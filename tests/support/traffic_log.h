@@ -1,4 +1,5 @@
-/// Sweeps of a lidar in a simulated town, with the truth on each return: whether it is of something that moves.
+/// Sweeps of a lidar in a simulated town, with the truth on each return: whether it is of something that
+/// moves.
 #pragma once
 
 #include <functional>

@@ -65,8 +65,8 @@ void write_text(OutputFile& out, const char* text, std::size_t width) {
     out.text(padded);
 }
 
-/// Day of the year from 1, and year, of a stamp: the file says nothing of when it was written, so that the same run
-/// gives the same bytes.
+/// Day of the year from 1, and year, of a stamp: the file says nothing of when it was written, so that the
+/// same run gives the same bytes.
 std::pair<std::uint16_t, std::uint16_t> date_of(StampNs stamp_ns) {
     const std::time_t seconds = stamp_ns / ns_in_s;
     std::tm date{};
@@ -103,9 +103,10 @@ void write_las_header(OutputFile& out, const StoredCloud& cloud) {
 
 int gps_ahead_of_utc_s(StampNs stamp_ns) {
     // Of each leap second, the first UTC second after it (IERS Bulletin C).
-    constexpr std::int64_t after_s[] = {362793600,  394329600,  425865600,  489024000,  567993600,  631152000,
-                                        662688000,  709948800,  741484800,  773020800,  820454400,  867715200,
-                                        915148800,  1136073600, 1230768000, 1341100800, 1435708800, 1483228800};
+    constexpr std::int64_t after_s[] = {362793600,  394329600,  425865600, 489024000,  567993600,
+                                        631152000,  662688000,  709948800, 741484800,  773020800,
+                                        820454400,  867715200,  915148800, 1136073600, 1230768000,
+                                        1341100800, 1435708800, 1483228800};
     const std::int64_t utc_s = stamp_ns / ns_in_s;
     return static_cast<int>(std::upper_bound(std::begin(after_s), std::end(after_s), utc_s) - after_s);
 }

@@ -118,8 +118,8 @@ void record_input(const RunSetup& setup, const LogSource& source, const std::vec
 std::unique_ptr<FeaturePointHits> watched_points(const RunSetup& setup) {
     const auto& reference = setup.reference;
     if (!reference || reference->surveyed.points.empty() || reference->truth.empty()) return nullptr;
-    return std::make_unique<FeaturePointHits>(
-        reference->surveyed.points, TruePath(truth_of(reference)), reference->scan_duration_s);
+    return std::make_unique<FeaturePointHits>(reference->surveyed.points, TruePath(truth_of(reference)),
+                                              reference->scan_duration_s);
 }
 
 /// How many of the scans, which are in the log's order as the poses are, have a pose.

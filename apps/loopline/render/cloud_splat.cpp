@@ -20,7 +20,8 @@ struct Surface {
 Surface nearest_points(cv::Size size, const PointSource& cloud, const ParallelView& view, float cut_m,
                        int side_px) {
     Surface surface{cv::Mat1f(size, nothing), cv::Mat1f(size, 0.0f)};
-    const float right = static_cast<float>(size.width - side_px + 1), lower = static_cast<float>(size.height - side_px + 1);
+    const float right = static_cast<float>(size.width - side_px + 1),
+                lower = static_cast<float>(size.height - side_px + 1);
     cloud.for_each(1, [&](const Eigen::Vector3f& p_map_m) {
         if (!(p_map_m.z() <= cut_m)) return;
         const Eigen::Vector3f p = view(p_map_m);
@@ -67,7 +68,8 @@ constexpr std::size_t sample_size = 200'000;
 
 cv::Mat1f splat_cloud(cv::Mat& bgr, const PointSource& cloud, const ParallelView& view,
                       const HeightColours& colours, int side_px) {
-    const Surface surface = nearest_points(bgr.size(), cloud, view, static_cast<float>(colours.cut_m), side_px);
+    const Surface surface =
+        nearest_points(bgr.size(), cloud, view, static_cast<float>(colours.cut_m), side_px);
     constexpr int shades = 256;
     std::array<Colour, shades> ramp;
     for (int i = 0; i < shades; ++i) ramp[static_cast<std::size_t>(i)] = palette::height(i / (shades - 1.0));

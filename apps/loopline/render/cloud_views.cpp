@@ -23,8 +23,8 @@ Eigen::Matrix3d axes_of_view(bool from_above) {
     return axes;
 }
 
-/// What a picture must show: the path with its surroundings, and of the cloud all but its far ends, where a few beams got
-/// through a gap.
+/// What a picture must show: the path with its surroundings, and of the cloud all but its far ends, where a
+/// few beams got through a gap.
 Bounds bounds_in(const SceneContent& content, const Eigen::Matrix3d& axes) {
     constexpr double far_ends = 0.004;
     Bounds bounds = bounds_of_cloud(*content.cloud, axes, far_ends);
@@ -64,7 +64,8 @@ struct Stretch {
 
 std::vector<Stretch> stretches_of(const SceneContent& content, const MapWindow& window,
                                   const Eigen::Matrix3d& axes, const cv::Mat1f& depth_m) {
-    constexpr double before_m = 2.5;  // by which the surface is nearer to the eye: the vehicle stands up from it
+    constexpr double before_m =
+        2.5;  // by which the surface is nearer to the eye: the vehicle stands up from it
     std::vector<Stretch> stretches;
     Eigen::Vector2d last(INFINITY, INFINITY);
     for (const Pose3& pose : content.estimated_path) {
@@ -85,8 +86,8 @@ std::vector<Stretch> stretches_of(const SceneContent& content, const MapWindow& 
     return stretches;
 }
 
-void draw_cloud_path(Figure& figure, const MapWindow& window, const SceneContent& content, const Eigen::Matrix3d& axes,
-               const cv::Mat1f& depth_m) {
+void draw_cloud_path(Figure& figure, const MapWindow& window, const SceneContent& content,
+                     const Eigen::Matrix3d& axes, const cv::Mat1f& depth_m) {
     if (content.estimated_path.empty()) return;
     const double width_px = 0.17 * figure.body_px();
     const auto stretches = stretches_of(content, window, axes, depth_m);

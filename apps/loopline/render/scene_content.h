@@ -28,15 +28,15 @@ struct SurveyCloud {
 
 struct SceneContent {
     std::string title;
-    std::vector<Pose3> estimated_path;   ///< map frame
-    std::vector<Pose3> odometry_path;    ///< map frame: both start at the same pose
+    std::vector<Pose3> estimated_path;  ///< map frame
+    std::vector<Pose3> odometry_path;   ///< map frame: both start at the same pose
     std::optional<LineMap> lines;
     std::vector<Eigen::Vector3f> points_m;           ///< scan points by the estimated path
     std::vector<Eigen::Vector3f> points_odometry_m;  ///< scan points by dead reckoning
     mrpt::maps::COccupancyGridMap2D::Ptr grid;       ///< null if there is none
     std::vector<SurveyCloud> surveys;
-    /// Cloud of a map in three dimensions, drawn by its heights; null if there is none. What it is taken from outlives
-    /// this.
+    /// Cloud of a map in three dimensions, drawn by its heights; null if there is none. What it is taken from
+    /// outlives this.
     std::shared_ptr<const PointSource> cloud;
 };
 

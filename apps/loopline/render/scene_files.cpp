@@ -85,8 +85,8 @@ mrpt::maps::CPointsMap::Ptr cloud_from(const fs::path& file) {
 /// map.NAME.ply or map.NAME_odometry.ply, which comes after it in name order.
 void add_survey(const fs::path& file, SceneContent& content) {
     const std::string stem = file.stem().string().substr(4), suffix = "_odometry";
-    const bool is_raw = stem.size() > suffix.size() &&
-                        stem.compare(stem.size() - suffix.size(), suffix.size(), suffix) == 0;
+    const bool is_raw =
+        stem.size() > suffix.size() && stem.compare(stem.size() - suffix.size(), suffix.size(), suffix) == 0;
     const std::string name = is_raw ? stem.substr(0, stem.size() - suffix.size()) : stem;
     auto& surveys = content.surveys;
     auto found = std::find_if(surveys.begin(), surveys.end(), [&](const auto& s) { return s.name == name; });
@@ -110,7 +110,8 @@ std::vector<fs::path> files_like(const fs::path& folder, const std::string& star
 
 bool has_content(const SceneContent& content) {
     return !content.estimated_path.empty() || !content.odometry_path.empty() || !content.points_m.empty() ||
-           (content.lines && !content.lines->empty()) || content.grid || !content.surveys.empty() || content.cloud;
+           (content.lines && !content.lines->empty()) || content.grid || !content.surveys.empty() ||
+           content.cloud;
 }
 
 SceneContent scene_from_run(const fs::path& folder) {

@@ -1,0 +1,73 @@
+/// The map of a spinning lidar's run, from a simulated street to files and pictures, as a user makes it.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "support/run_program.h"
+#include "support/street_log.h"
+
+using namespace loopline;
+using namespace loopline::test;
+
+namespace {
+
+std::string street_map_ini(const TemporaryFolder& folder, const std::string& outputs) {
+    return folder.write("run.ini", "[run]\nrawlog = " + street_log() +
+                                       "\nmodules = lidar_mapping cloud_map\n[outputs]\nreport = false\n" +
+                                       outputs);
+}
+
+}  // namespace
+
+TEST(CloudMap, gives_the_same_files_for_any_number_of_threads_and_pictures_of_them) {
+    const TemporaryFolder folder;
+    const std::string ini = street_map_ini(folder, "snapshots = false\n");
+    std::map<std::string, std::string> first;
+    for (const std::string threads : {"1", "2"}) {
+        const auto out = folder / ("out" + threads);
+        const auto result = run_loopline({"run", ini, "--out", out.string(), "--threads", threads});
+        ASSERT_EQ(result.exit_code, 0) << result.err;
+        for (const std::string end : {".ply", ".pcd", ".las"}) {
+            const std::string bytes = file_text(out / ("map.cloud" + end));
+            EXPECT_GT(bytes.size(), 1'000'000u);
+            EXPECT_TRUE(first.emplace(end, bytes).first->second == bytes) << end;
+        }
+        const auto metrics = nlohmann::json::parse(file_text(out / "metrics.json"));
+        EXPECT_GT(metrics.at("cloud_points").get<int>(), 100'000);
+        EXPECT_EQ(metrics.at("cloud_sweeps"), metrics.at("scans_used"));
+        EXPECT_FALSE(std::filesystem::exists(out / "scratch"));
+    }
+    const auto out = folder / "out1";
+    for (const std::string view : {"top", "axonometric"})
+        for (const std::string& source : {out.string(), (out / "map.cloud.ply").string()}) {
+            const auto picture = folder / (view + ".png");
+            const auto result = run_loopline(
+                {"render", source, "--view", view, "--size", "640x480", "--out", picture.string()});
+            ASSERT_EQ(result.exit_code, 0) << result.err;
+            EXPECT_GT(std::filesystem::file_size(picture), 30'000u) << view << " of " << source;
+            std::filesystem::remove(picture);
+        }
+}
+
+TEST(CloudMap, costs_nothing_where_nobody_wants_maps) {
+    const TemporaryFolder folder;
+    const std::string ini = street_map_ini(folder, "snapshots = false\nmaps = false\n");
+    const auto out = folder / "out";
+    const auto result = run_loopline({"run", ini, "--out", out.string()});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(out / "map.cloud.ply"));
+    const auto metrics = nlohmann::json::parse(file_text(out / "metrics.json"));
+    EXPECT_EQ(metrics.count("cloud_points"), 0u);
+    EXPECT_LT(metrics.at("modules").at("cloud_map").at("mean_ms").get<double>(), 0.1);
+}
+
+TEST(CloudMap, needs_a_module_that_publishes_poses) {
+    const TemporaryFolder folder;
+    const std::string ini =
+        folder.write("run.ini", "[run]\nrawlog = " + street_log() + "\nmodules = cloud_map\n");
+    const auto result = run_loopline({"run", ini, "--out", (folder / "out").string()});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_NE(result.err.find("module cloud_map needs CObservationRobotPose"), std::string::npos)
+        << result.err;
+}
