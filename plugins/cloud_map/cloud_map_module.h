@@ -7,9 +7,8 @@
 
 #include "api/map_maker.h"
 #include "api/module.h"
-#include "cloud_map/cloud_mapper.h"
+#include "cloud_map/cloud_map_options.h"
 #include "cloud_map/pose_window.h"
-#include "lidar/observation_scan.h"
 
 namespace loopline {
 
@@ -33,30 +32,20 @@ class CloudMapModule : public Module, public MapMaker {
  private:
     template <class Archive>
     friend void fields(Archive&, CloudMapModule&);
-    struct Sweep {
-        lidar::SpinningScan scan;
-        std::vector<std::uint16_t> intensity;
-
-        StampNs begin_ns() const;
-        StampNs end_ns() const;
-    };
     void take_pose(const StreamItem& item);
     void take_sweep(const StreamItem& item);
     void map_first_waiting();
 
-    cloud_map::CloudMapSettings settings_;
-    lidar::SweepConvention cloud_sweep_;
-    std::vector<std::string> sensors_;  ///< labels; empty for all
-    std::string poses_;                 ///< label; empty: that of the first pose
-    double max_gap_s_ = 0.5;
+    cloud_map::CloudMapOptions options_;
+    std::string poses_;  ///< label; empty: that of the first pose
     bool wanted_ = true;
 
     std::unique_ptr<lidar::SpinningScanReader> reader_;
     std::unique_ptr<cloud_map::CloudMapper> mapper_;
     std::string label_;  ///< of the poses in use
     cloud_map::PoseWindow path_;
-    std::deque<Sweep> waiting_;
-    std::int64_t sweeps_ = 0, without_pose_ = 0;
+    std::deque<cloud_map::TimedSweep> waiting_;
+    cloud_map::SweepCounts counts_;
 };
 
 }  // namespace loopline

@@ -98,7 +98,7 @@ void fields(Archive& archive, CloudMapModule& m) {
         cloud_map::plain(a, scan.ring_begin);
         cloud_map::plain(a, sweep.intensity);
     });
-    archive(m.sweeps_, m.without_pose_);
+    archive(m.counts_.mapped, m.counts_.without_pose);
     if (m.mapper_) archive(*m.mapper_);
 }
 

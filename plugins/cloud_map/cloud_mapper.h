@@ -41,8 +41,10 @@ class CloudMapper {
  public:
     CloudMapper(const CloudMapSettings& settings, int threads);
 
-    /// The map lies in `folder` from now on; before the first sweep.
-    void keep_in(const std::filesystem::path& folder) { store_.keep_in(folder); }
+    /// The map lies in files of `folder` from now on whose names begin with `name`; before the first sweep.
+    void keep_in(const std::filesystem::path& folder, const std::string& name) {
+        store_.keep_in(folder, name);
+    }
     /// Adds a sweep; false where `T_map_base` has no pose for a moment of it. `intensity`: of each point of
     /// the scan, or empty.
     bool add(const lidar::SpinningScan& scan, const std::vector<std::uint16_t>& intensity,

@@ -13,9 +13,9 @@ class TileStore {
  public:
     using TileIndex = std::array<std::int32_t, 2>;
 
-    void keep_in(const std::filesystem::path& folder) {
-        cloud_.keep_in(folder, "cloud_map_points");
-        stretches_.keep_in(folder, "cloud_map_stretches");
+    void keep_in(const std::filesystem::path& folder, const std::string& name) {
+        cloud_.keep_in(folder, name + "_points");
+        stretches_.keep_in(folder, name + "_stretches");
     }
     void append(const TileIndex& tile, const std::vector<CloudPoint>& points);
     /// Calls `use(point)` with all points of a tile so far, the latest stretch first.

@@ -262,7 +262,7 @@ TEST(CloudMapMemory, is_the_same_after_each_lap_and_so_is_the_map) {
     settings.max_range_m = 25;
     settings.removal.views = 5;
     CloudMapper mapper(settings, 1);
-    mapper.keep_in(folder.path());
+    mapper.keep_in(folder.path(), "map");
     CloudMapCounts after_lap[3];
     std::size_t points_after_lap[3] = {0, 0, 0};
     for (int lap = 0; lap < 3; ++lap) {
