@@ -6,7 +6,6 @@
 #include <mrpt/obs/CObservationVelodyneScan.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "api/mrpt_pose.h"
@@ -26,36 +25,6 @@ std::uint16_t of_full_scale(std::uint8_t byte) {
 std::uint16_t of_full_scale(float part) {
     return part > 0 ? static_cast<std::uint16_t>(std::min(part, 1.0f) * 65535 + 0.5f) : std::uint16_t{0};
 }
-
-// MRPT's class has no virtual destructor; nothing here is destroyed through it.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wnon-virtual-dtor"
-/// Points of Velodyne's packets, laser by laser.
-class PointsOfLasers final : public mrpt::obs::CObservationVelodyneScan::PointCloudStorageWrapper {
- public:
-    PointsOfLasers(std::size_t lasers, mrpt::system::TTimeStamp stamp)
-        : lasers_(lasers), intensities_(lasers), stamp_(stamp) {}
-
-    void add_point(float x_m, float y_m, float z_m, std::uint8_t intensity,
-                   const mrpt::system::TTimeStamp& time, const float, std::uint16_t laser) override {
-        if (laser >= lasers_.size()) return;
-        const std::chrono::duration<float> after = time - stamp_;
-        lasers_[laser].push_back({x_m, y_m, z_m, after.count()});
-        intensities_[laser].push_back(of_full_scale(intensity));
-    }
-    const std::vector<SpinningPoint>& of_laser(int laser) const {
-        return lasers_[static_cast<std::size_t>(laser)];
-    }
-    const std::vector<std::uint16_t>& intensity_of_laser(int laser) const {
-        return intensities_[static_cast<std::size_t>(laser)];
-    }
-
- private:
-    std::vector<std::vector<SpinningPoint>> lasers_;
-    std::vector<std::vector<std::uint16_t>> intensities_;
-    mrpt::system::TTimeStamp stamp_;
-};
-#pragma GCC diagnostic pop
 
 /// MRPT 2.5 makes an image of Velodyne's packets with a column for each beam of each firing, and fills one a
 /// firing, in the front; and it keeps Velodyne's azimuths, which count clockwise.
@@ -97,7 +66,7 @@ bool SpinningScanReader::read(const mrpt::obs::CObservation& observation, Spinni
     if (const auto* image = as<mrpt::obs::CObservationRotatingScan>(&observation))
         known = read_image(*image, scan, intensity);
     else if (const auto* packets = as<mrpt::obs::CObservationVelodyneScan>(&observation))
-        known = read_packets(*packets, scan, intensity);
+        known = packets_.read(*packets, scan, intensity);
     else if (const auto* cloud = as<mrpt::obs::CObservationPointCloud>(&observation))
         known = read_points(*cloud, scan, intensity);
     if (!known || scan.points.empty()) {
@@ -142,37 +111,6 @@ bool SpinningScanReader::read_image(const mrpt::obs::CObservationRotatingScan& i
             for (int k = 0; k < geometry_.columns; ++k)
                 if (image.rangeImage(row, k) != 0)
                     intensity->push_back(of_full_scale(image.intensityImage(row, k)));
-    return true;
-}
-
-bool SpinningScanReader::read_packets(const mrpt::obs::CObservationVelodyneScan& packets, SpinningScan& scan,
-                                      Intensity* intensity) {
-    std::vector<double> elevations_deg;
-    for (const auto& laser : packets.calibration.laser_corrections)
-        elevations_deg.push_back(laser.verticalCorrection);
-    if (elevations_deg.empty() || packets.scan_packets.empty()) return false;
-    PointsOfLasers points(elevations_deg.size(), packets.timestamp);
-    // MRPT's function is not const, though it leaves the packets alone: it may also fill the object's own
-    // cloud.
-    mrpt::obs::CObservationVelodyneScan copy;
-    copy.timestamp = packets.timestamp;
-    copy.minRange = packets.minRange;
-    copy.maxRange = packets.maxRange;
-    copy.calibration = packets.calibration;
-    copy.scan_packets = packets.scan_packets;
-    copy.generatePointCloud(points);
-    scan.begin_s = scan.end_s = 0;
-    for (const int laser : from_high_to_low(elevations_deg)) {
-        scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
-        const auto& ring = points.of_laser(laser);
-        scan.points.insert(scan.points.end(), ring.begin(), ring.end());
-        if (intensity != nullptr) {
-            const auto& of_ring = points.intensity_of_laser(laser);
-            intensity->insert(intensity->end(), of_ring.begin(), of_ring.end());
-        }
-        if (!ring.empty()) scan.end_s = std::max(scan.end_s, static_cast<double>(ring.back().time_s));
-    }
-    scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
     return true;
 }
 

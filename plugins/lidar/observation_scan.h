@@ -10,6 +10,7 @@
 #include "lidar/cloud_rings.h"
 #include "lidar/range_image.h"
 #include "lidar/spinning_scan.h"
+#include "lidar/velodyne_packets.h"
 
 namespace mrpt::obs {
 class CObservationPointCloud;
@@ -28,9 +29,9 @@ std::shared_ptr<mrpt::obs::CObservationRotatingScan> rotating_scan(const RangeIm
 /// Keeps tables and memory from scan to scan; one for each sensor.
 ///
 /// CObservationRotatingScan: rings by the elevations in its `lidarModel` (beam_table.h), times by column.
-/// CObservationVelodyneScan: rings by the calibration in it, times of its packets.
-/// CObservationPointCloud: rings by the order of its points, or by their elevations; times by azimuth, as
-/// `cloud_sweep` says.
+/// CObservationVelodyneScan: rings by the calibration in it, each return at its own time
+/// (velodyne_packets.h). CObservationPointCloud: rings by the order of its points, or by their elevations;
+/// times by azimuth, as `cloud_sweep` says.
 class SpinningScanReader {
  public:
     explicit SpinningScanReader(const SweepConvention& cloud_sweep = {}) : cloud_sweep_(cloud_sweep) {}
@@ -47,8 +48,6 @@ class SpinningScanReader {
     using Intensity = std::vector<std::uint16_t>;
     bool read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan,
                     Intensity* intensity);
-    bool read_packets(const mrpt::obs::CObservationVelodyneScan& packets, SpinningScan& scan,
-                      Intensity* intensity);
     bool read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan,
                      Intensity* intensity);
 
@@ -57,6 +56,7 @@ class SpinningScanReader {
     RangeImageGeometry geometry_;
     std::string model_;  ///< whose elevations are in `geometry_`
     CloudReader clouds_;
+    VelodynePackets packets_;
     std::vector<Eigen::Vector3f> points_m_;
 };
 
