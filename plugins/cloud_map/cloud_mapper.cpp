@@ -18,6 +18,12 @@ int tile_blocks_for(double voxel_m) {
     return std::max(1, static_cast<int>(std::lround(tile_m / (voxel_m * Block::edge))));
 }
 
+/// std::floor() is a call into the library here.
+std::int32_t floor_to_int(double x) {
+    const auto whole = static_cast<std::int32_t>(x);
+    return whole > x ? whole - 1 : whole;
+}
+
 void count_up(std::uint8_t& count) {
     if (count < 255) ++count;
 }
@@ -25,7 +31,10 @@ void count_up(std::uint8_t& count) {
 }  // namespace
 
 CloudMapper::CloudMapper(const CloudMapSettings& settings, int threads)
-    : settings_(settings), tile_blocks_(tile_blocks_for(settings.voxel_m)), workers_(threads) {}
+    : settings_(settings),
+      per_voxel_(1 / settings.voxel_m),
+      tile_blocks_(tile_blocks_for(settings.voxel_m)),
+      workers_(threads) {}
 
 bool CloudMapper::add(const lidar::SpinningScan& scan, const std::vector<std::uint16_t>& intensity,
                       const PoseAt& T_map_base) {
@@ -87,12 +96,12 @@ void CloudMapper::insert(const Eigen::Vector3d& p_map_m, std::uint32_t time_tick
     unsigned place = 0;
     Candidate candidate;
     for (int axis = 0; axis < 3; ++axis) {
-        const double at = p_map_m[axis] / settings_.voxel_m, voxel = std::floor(at);
-        const auto whole = static_cast<std::int32_t>(voxel);
+        const double at = p_map_m[axis] * per_voxel_;
+        const std::int32_t whole = floor_to_int(at);
         of_block[static_cast<std::size_t>(axis)] = whole >> 3;
         place = place << 3 | static_cast<unsigned>(whole & 7);
         candidate.offset[static_cast<std::size_t>(axis)] =
-            static_cast<std::uint8_t>(std::min(255.0, (at - voxel) * 256));
+            static_cast<std::uint8_t>(std::min(255.0, (at - whole) * 256));
     }
     const std::uint64_t key = pack(of_block);
     if (last_block_ == nullptr || key != last_block_key_) {
@@ -129,9 +138,10 @@ void CloudMapper::take_view(const lidar::SpinningScan& scan) {
 }
 
 void CloudMapper::look_at(const Eigen::Vector3d& p_map_m, Candidate& candidate) const {
-    // What is new since the view before is looked for in all of them; what is older was, in those.
+    // What is new since the view before is looked for in all of them, from the oldest on, so that what stands
+    // there now but did not then is found out; what is older was, in those.
     const bool is_new = candidate.view == views_taken_;
-    for (std::size_t k = is_new ? 0 : views_.size() - 1; k < views_.size(); ++k) {
+    for (std::size_t k = is_new ? 0 : views_.size() - 1; k < views_.size() && !stands_still(candidate); ++k) {
         const RangeView& view = views_[k];
         const Evidence evidence =
             view.look((p_map_m - view.origin_m()).cast<float>(), settings_.removal.view);
@@ -145,8 +155,12 @@ bool CloudMapper::is_moving(const Candidate& candidate) const {
            candidate.through > settings_.removal.through_per_seen * candidate.seen;
 }
 
+bool CloudMapper::stands_still(const Candidate& candidate) const {
+    return candidate.through == 0 && candidate.seen >= settings_.removal.surely_there;
+}
+
 bool CloudMapper::is_decided(const Candidate& candidate) const {
-    return (candidate.through == 0 && candidate.seen >= settings_.removal.surely_there) ||
+    return stands_still(candidate) ||
            views_taken_ - candidate.view >= static_cast<std::uint32_t>(settings_.removal.views);
 }
 

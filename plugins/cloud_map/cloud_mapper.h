@@ -68,6 +68,7 @@ class CloudMapper {
     void judge(Tile& tile, bool is_last, std::vector<CloudPoint>& given, std::uint64_t& moving) const;
     void look_at(const Eigen::Vector3d& p_map_m, Candidate& candidate) const;
     bool is_moving(const Candidate& candidate) const;
+    bool stands_still(const Candidate& candidate) const;
     bool is_decided(const Candidate& candidate) const;
     CloudPoint point_of(const Block& block, const Candidate& candidate) const;
     Eigen::Vector3d place_m(const Block& block, const Candidate& candidate) const;
@@ -76,7 +77,8 @@ class CloudMapper {
     void count_held();
 
     CloudMapSettings settings_;
-    int tile_blocks_;  ///< blocks along an edge of a tile
+    double per_voxel_;  ///< of a metre
+    int tile_blocks_;   ///< blocks along an edge of a tile
     WorkerPool workers_;
     SweepMotion motion_;
 
