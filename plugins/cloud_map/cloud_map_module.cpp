@@ -28,8 +28,7 @@ ParameterTable CloudMapModule::parameters() {
     ParameterTable table("cloud_map", info().sentence);
     options_.declare(table);
     table.text("poses", poses_,
-               "Label under which the module publishes whose poses carry the sweeps; empty: the first to "
-               "publish any.");
+               "Label under which a module before it publishes the poses that carry the sweeps.");
     return table;
 }
 
@@ -42,7 +41,6 @@ void CloudMapModule::start(const RunContext& context) {
     reader_ = std::make_unique<lidar::SpinningScanReader>(options_.cloud_sweep);
     mapper_ = std::make_unique<CloudMapper>(options_.settings, context.threads);
     mapper_->keep_in(context.scratch_folder, "cloud_map");
-    label_ = poses_;
     path_ = PoseWindow(options_.max_gap_s);
 }
 
@@ -58,9 +56,7 @@ void CloudMapModule::process(const StreamItem& item, Publisher&) {
 }
 
 void CloudMapModule::take_pose(const StreamItem& item) {
-    const std::string& label = item.observation->sensorLabel;
-    if (label_.empty() && item.published) label_ = label;
-    if (label != label_) return;
+    if (item.observation->sensorLabel != poses_) return;
     const auto* pose = as<mrpt::obs::CObservationRobotPose>(item.observation.get());
     path_.add({item.stamp_ns, pose3_from_mrpt(pose->pose.mean)});
 }
@@ -88,6 +84,9 @@ void CloudMapModule::finish(Results& results) {
     if (!wanted_) return;
     while (!waiting_.empty()) map_first_waiting();
     mapper_->finish();
+    if (counts_.mapped == 0 && counts_.without_pose > 0)
+        results.warnings.push_back("no sweep is in the cloud, since no pose came under the label \"" +
+                                   poses_ + "\" that [cloud_map] poses names");
     tell(*mapper_, counts_, options_.settings.removal.remove_moving, results);
 }
 

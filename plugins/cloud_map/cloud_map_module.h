@@ -37,12 +37,11 @@ class CloudMapModule : public Module, public MapMaker {
     void map_first_waiting();
 
     cloud_map::CloudMapOptions options_;
-    std::string poses_;  ///< label; empty: that of the first pose
+    std::string poses_ = "lidar_mapping";  ///< their label
     bool wanted_ = true;
 
     std::unique_ptr<lidar::SpinningScanReader> reader_;
     std::unique_ptr<cloud_map::CloudMapper> mapper_;
-    std::string label_;  ///< of the poses in use
     cloud_map::PoseWindow path_;
     std::deque<cloud_map::TimedSweep> waiting_;
     cloud_map::SweepCounts counts_;

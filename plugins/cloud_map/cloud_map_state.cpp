@@ -89,7 +89,7 @@ void fields(Archive& archive, CloudMapper& m) {
 
 template <class Archive>
 void fields(Archive& archive, CloudMapModule& m) {
-    archive(m.label_, m.path_);
+    archive(m.path_);
     archive.each(m.waiting_, [](auto& a, auto& sweep) {
         lidar::SpinningScan& scan = sweep.scan;
         a(scan.label, scan.stamp_ns, scan.T_base_lidar.translation_m, scan.T_base_lidar.rotation.coeffs(),

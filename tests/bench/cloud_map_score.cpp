@@ -49,6 +49,7 @@ Outcome run(const test::TrafficLog& log, const std::vector<mrpt::obs::CObservati
         pose->pose.mean = mrpt::poses::CPose3D(mrpt::math::CQuaternionDouble(q.w(), q.x(), q.y(), q.z()),
                                                T.translation_m.x(), T.translation_m.y(), T.translation_m.z());
         pose->timestamp = sweep->timestamp;
+        pose->sensorLabel = "lidar_mapping";
         const auto start = std::chrono::steady_clock::now();
         module.process({sequence, stamp_ns, sweep, false}, publisher);
         module.process({sequence, stamp_ns, pose, true}, publisher);

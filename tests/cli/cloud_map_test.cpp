@@ -86,6 +86,16 @@ TEST(CloudMap, costs_nothing_where_nobody_wants_maps) {
     EXPECT_LT(metrics.at("modules").at("cloud_map").at("mean_ms").get<double>(), 0.1);
 }
 
+TEST(CloudMap, says_so_where_no_pose_comes_under_the_label) {
+    const TemporaryFolder folder;
+    const std::string ini = street_map_ini(folder, "snapshots = false\n");
+    const auto result =
+        run_loopline({"run", ini, "--out", (folder / "out").string(), "--set", "cloud_map.poses=wheels"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_NE(result.err.find("no pose came under the label \"wheels\""), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out/map.cloud.ply"));
+}
+
 TEST(CloudMap, needs_a_module_that_publishes_poses) {
     const TemporaryFolder folder;
     const std::string ini =

@@ -307,7 +307,7 @@ TEST(CloudMapModuleTest, maps_a_sweep_when_the_pose_after_it_has_come_and_says_h
         if (!with_pose) return;
         auto pose = mrpt::obs::CObservationRobotPose::Create();
         pose->timestamp = sweep->timestamp;
-        pose->sensorLabel = "somebody";
+        pose->sensorLabel = "lidar_mapping";
         module.process({0, t, pose, true}, nobody);
     };
     take(start_ns, true);
