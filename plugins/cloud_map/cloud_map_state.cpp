@@ -80,7 +80,8 @@ void fields(Archive& archive, TileStore& store) {
 
 template <class Archive>
 void fields(Archive& archive, CloudMapper& m) {
-    archive(m.store_, m.views_, m.views_taken_, m.viewed_from_m_, m.viewed_ns_, m.has_sweeps_);
+    archive(m.store_, m.views_, m.views_taken_, m.viewed_from_m_, m.viewed_ns_, m.has_sweeps_, m.judges_,
+            m.next_judged_[0], m.next_judged_[1]);
     fields_by_tile(archive, m.tiles_);
     archive(m.counts_.returns, m.counts_.moving, m.counts_.most_blocks, m.counts_.most_candidates);
 }

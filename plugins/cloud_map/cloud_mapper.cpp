@@ -6,6 +6,8 @@
 namespace loopline::cloud_map {
 namespace {
 
+// Of the tiles, that is judged with each sweep: a view is no burden on one of them.
+constexpr double share_per_sweep = 1.0 / 3;
 constexpr double tile_m = 25;  // about
 constexpr double beyond_range_m =
     15;  // where a tile is forgotten: not at once, for a vehicle that goes to and fro
@@ -47,6 +49,7 @@ bool CloudMapper::add(const lidar::SpinningScan& scan, const std::vector<std::ui
     insert_points(scan, intensity);
     if (!has_sweeps_ || is_view_due(scan.stamp_ns)) take_view(scan);
     has_sweeps_ = true;
+    judge_some(share_per_sweep);
     return true;
 }
 
@@ -123,6 +126,7 @@ bool CloudMapper::is_view_due(StampNs stamp_ns) const {
 }
 
 void CloudMapper::take_view(const lidar::SpinningScan& scan) {
+    judge_some(1);
     viewed_from_m_ = motion_.middle_m();
     viewed_ns_ = scan.stamp_ns;
     ++views_taken_;
@@ -131,10 +135,21 @@ void CloudMapper::take_view(const lidar::SpinningScan& scan) {
         if (views_.size() > static_cast<std::size_t>(settings_.removal.views) + 1) views_.pop_front();
     }
     count_held();
-    std::vector<TileIndex> all;
-    for (const auto& [index, tile] : tiles_) all.push_back(index);
-    judge_all(all, false);
+    judges_ = true;
+    next_judged_ = tiles_.empty() ? TileIndex{} : tiles_.begin()->first;
     forget_far_tiles();
+}
+
+/// By the latest view, as many tiles as that share of all is, of those that it has not judged yet.
+void CloudMapper::judge_some(double share) {
+    if (!judges_) return;
+    const auto most = static_cast<std::size_t>(std::ceil(share * static_cast<double>(tiles_.size())));
+    std::vector<TileIndex> next;
+    auto tile = tiles_.lower_bound(next_judged_);
+    for (; tile != tiles_.end() && next.size() < most; ++tile) next.push_back(tile->first);
+    judges_ = tile != tiles_.end();
+    if (judges_) next_judged_ = tile->first;
+    judge_all(next, false);
 }
 
 void CloudMapper::look_at(const Eigen::Vector3d& p_map_m, Candidate& candidate) const {
@@ -189,6 +204,7 @@ void CloudMapper::judge(Tile& tile, bool is_last, std::vector<CloudPoint>& given
     for (Block& block : tile.blocks()) {
         if (block.candidates().empty()) continue;
         block.judge([&](Candidate& candidate) {
+            if (!is_last && candidate.view > views_taken_) return Block::Fate::stays;  // the next view's
             if (settings_.removal.remove_moving) {
                 if (!is_last) look_at(place_m(block, candidate), candidate);
                 if (!is_last && !is_decided(candidate)) return Block::Fate::stays;
@@ -241,6 +257,7 @@ void CloudMapper::count_held() {
 }
 
 void CloudMapper::finish() {
+    judge_some(1);
     count_held();
     std::vector<TileIndex> all;
     for (const auto& [index, tile] : tiles_) all.push_back(index);

@@ -73,6 +73,7 @@ class CloudMapper {
     CloudPoint point_of(const Block& block, const Candidate& candidate) const;
     Eigen::Vector3d place_m(const Block& block, const Candidate& candidate) const;
     void judge_all(const std::vector<TileIndex>& tiles, bool is_last);
+    void judge_some(double share);
     void forget_far_tiles();
     void count_held();
 
@@ -89,6 +90,8 @@ class CloudMapper {
     Eigen::Vector3d viewed_from_m_ = Eigen::Vector3d::Zero();
     StampNs viewed_ns_ = 0;
     bool has_sweeps_ = false;
+    bool judges_ = false;  ///< tiles from `next_judged_` on wait to be judged by the latest view
+    TileIndex next_judged_{};
     CloudMapCounts counts_;
 
     // The tile and block met last: neighbouring beams mostly meet the same.
