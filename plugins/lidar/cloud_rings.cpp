@@ -75,27 +75,34 @@ bool earlier(const SpinningPoint& a, const SpinningPoint& b) {
     return a.time_s < b.time_s;
 }
 
+/// A point that knows its place in the cloud.
+struct TracedPoint : SpinningPoint {
+    std::uint32_t source = 0;
+};
+
 /// For points that are nearly in order: each moves by a few places, if at all.
-void sort_by_insertion(SpinningPoint* begin, SpinningPoint* end) {
-    for (SpinningPoint* p = begin + 1; p < end; ++p) {
+template <class Point>
+void sort_by_insertion(Point* begin, Point* end) {
+    for (Point* p = begin + 1; p < end; ++p) {
         if (!earlier(p[0], p[-1])) continue;
-        const SpinningPoint moved = *p;
-        SpinningPoint* place = p;
+        const Point moved = *p;
+        Point* place = p;
         for (; place > begin && earlier(moved, place[-1]); --place) *place = place[-1];
         *place = moved;
     }
 }
 
 /// A ring is stored along the azimuth, either way and from anywhere: turned to the order of times.
-void sort_by_time(SpinningPoint* begin, SpinningPoint* end) {
+template <class Point>
+void sort_by_time(Point* begin, Point* end) {
     if (end - begin < 2) return;
     std::ptrdiff_t falls = 0;
-    for (const SpinningPoint* p = begin + 1; p < end; ++p) falls += earlier(p[0], p[-1]);
+    for (const Point* p = begin + 1; p < end; ++p) falls += earlier(p[0], p[-1]);
     if (2 * falls > end - begin) std::reverse(begin, end);
-    SpinningPoint* first = begin;
+    Point* first = begin;
     float deepest_fall_s = 0;
     falls = 0;
-    for (SpinningPoint* p = begin + 1; p < end; ++p) {
+    for (Point* p = begin + 1; p < end; ++p) {
         const float fall_s = p[-1].time_s - p[0].time_s;
         falls += fall_s > 0;
         if (fall_s <= deepest_fall_s) continue;
@@ -196,12 +203,30 @@ void CloudReader::sort_into(const std::vector<Eigen::Vector3f>& points_m, const 
         sort_by_time(scan.points.data() + scan.ring_begin[r], scan.points.data() + scan.ring_begin[r + 1]);
 }
 
+/// The same order again, of the points with their places.
+void CloudReader::trace(const SpinningScan& scan, const std::vector<Eigen::Vector3f>& points_m,
+                        const SweepConvention& convention, std::vector<std::uint32_t>& sources) {
+    std::vector<TracedPoint> traced(points_m.size());
+    for (std::size_t r = 0; r < found_.rings; ++r) next_[r] -= found_.count[r];
+    const SweepTimes times(convention);
+    for (std::size_t i = 0; i < points_m.size(); ++i) {
+        TracedPoint& p = traced[next_[found_.ring_of_point[i]]++];
+        p.time_s = times.at(directions_[i].azimuth_rad);
+        p.source = static_cast<std::uint32_t>(i);
+    }
+    for (std::size_t r = 0; r < found_.rings; ++r)
+        sort_by_time(traced.data() + scan.ring_begin[r], traced.data() + scan.ring_begin[r + 1]);
+    sources.clear();
+    for (const TracedPoint& p : traced) sources.push_back(p.source);
+}
+
 void CloudReader::read(const std::vector<Eigen::Vector3f>& points_m, const SweepConvention& convention,
-                       SpinningScan& scan) {
+                       SpinningScan& scan, std::vector<std::uint32_t>* sources) {
     find_directions(points_m, directions_);
     find_rings_by_order(directions_, found_);
     if (found_.rings == 0) find_rings_by_elevation(directions_, found_);
     sort_into(points_m, convention, scan);
+    if (sources != nullptr) trace(scan, points_m, convention, *sources);
     scan.begin_s = -convention.stamp_part * convention.sweep_s;
     scan.end_s = (1 - convention.stamp_part) * convention.sweep_s;
 }

@@ -50,13 +50,16 @@ void find_rings_by_elevation(const std::vector<BeamDirection>& directions, Rings
 /// Keeps its memory from cloud to cloud.
 class CloudReader {
  public:
-    /// Rings by order, else by elevation. No point may lie on the lidar's own axis.
+    /// Rings by order, else by elevation. No point may lie on the lidar's own axis. `sources`, if wanted: the
+    /// place in `points_m` of each point of the scan.
     void read(const std::vector<Eigen::Vector3f>& points_m, const SweepConvention& convention,
-              SpinningScan& scan);
+              SpinningScan& scan, std::vector<std::uint32_t>* sources = nullptr);
 
  private:
     void sort_into(const std::vector<Eigen::Vector3f>& points_m, const SweepConvention& convention,
                    SpinningScan& scan);
+    void trace(const SpinningScan& scan, const std::vector<Eigen::Vector3f>& points_m,
+               const SweepConvention& convention, std::vector<std::uint32_t>& sources);
 
     std::vector<BeamDirection> directions_;
     RingsOfCloud found_;

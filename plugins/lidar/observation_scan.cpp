@@ -1,11 +1,11 @@
 #include "lidar/observation_scan.h"
 
+#include <mrpt/maps/CPointsMapXYZI.h>
 #include <mrpt/obs/CObservationPointCloud.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "api/mrpt_pose.h"
@@ -17,29 +17,14 @@ namespace {
 
 constexpr float least_level_m = 0.05f;  ///< what is nearer to the axis is the lidar itself
 
-// MRPT's class has no virtual destructor; nothing here is destroyed through it.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wnon-virtual-dtor"
-/// Points of Velodyne's packets, laser by laser.
-class PointsOfLasers final : public mrpt::obs::CObservationVelodyneScan::PointCloudStorageWrapper {
- public:
-    PointsOfLasers(std::size_t lasers, mrpt::system::TTimeStamp stamp) : lasers_(lasers), stamp_(stamp) {}
-
-    void add_point(float x_m, float y_m, float z_m, std::uint8_t, const mrpt::system::TTimeStamp& time,
-                   const float, std::uint16_t laser) override {
-        if (laser >= lasers_.size()) return;
-        const std::chrono::duration<float> after = time - stamp_;
-        lasers_[laser].push_back({x_m, y_m, z_m, after.count()});
-    }
-    const std::vector<SpinningPoint>& of_laser(int laser) const {
-        return lasers_[static_cast<std::size_t>(laser)];
-    }
-
- private:
-    std::vector<std::vector<SpinningPoint>> lasers_;
-    mrpt::system::TTimeStamp stamp_;
-};
-#pragma GCC diagnostic pop
+/// 255 becomes 65535.
+std::uint16_t of_full_scale(std::uint8_t byte) {
+    return static_cast<std::uint16_t>(byte * 257);
+}
+/// 1 becomes 65535.
+std::uint16_t of_full_scale(float part) {
+    return part > 0 ? static_cast<std::uint16_t>(std::min(part, 1.0f) * 65535 + 0.5f) : std::uint16_t{0};
+}
 
 /// MRPT 2.5 makes an image of Velodyne's packets with a column for each beam of each firing, and fills one a
 /// firing, in the front; and it keeps Velodyne's azimuths, which count clockwise.
@@ -71,17 +56,19 @@ std::shared_ptr<mrpt::obs::CObservationRotatingScan> rotating_scan(const RangeIm
     return image;
 }
 
-bool SpinningScanReader::read(const mrpt::obs::CObservation& observation, SpinningScan& scan) {
+bool SpinningScanReader::read(const mrpt::obs::CObservation& observation, SpinningScan& scan,
+                              Intensity* intensity) {
     scan.clear();
+    if (intensity != nullptr) intensity->clear();
     const auto stamp_ns = stamp_from_mrpt(observation.timestamp);
     if (!stamp_ns) return false;
     bool known = false;
     if (const auto* image = as<mrpt::obs::CObservationRotatingScan>(&observation))
-        known = read_image(*image, scan);
+        known = read_image(*image, scan, intensity);
     else if (const auto* packets = as<mrpt::obs::CObservationVelodyneScan>(&observation))
-        known = read_packets(*packets, scan);
+        known = packets_.read(*packets, scan, intensity);
     else if (const auto* cloud = as<mrpt::obs::CObservationPointCloud>(&observation))
-        known = read_points(*cloud, scan);
+        known = read_points(*cloud, scan, intensity);
     if (!known || scan.points.empty()) {
         scan.clear();
         return false;
@@ -94,7 +81,8 @@ bool SpinningScanReader::read(const mrpt::obs::CObservation& observation, Spinni
     return true;
 }
 
-bool SpinningScanReader::read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan) {
+bool SpinningScanReader::read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan,
+                                    Intensity* intensity) {
     if (image.lidarModel != model_) {
         const auto table = table_from_text(image.lidarModel);
         geometry_.elevations_deg = table ? table->elevations_deg : std::vector<double>{};
@@ -118,50 +106,38 @@ bool SpinningScanReader::read_image(const mrpt::obs::CObservationRotatingScan& i
         geometry_.azimuth_span_rad *= -1;
     }
     images_.read(geometry_, &image.rangeImage(0, 0), static_cast<std::size_t>(columns), scan);
+    if (intensity != nullptr && image.intensityImage.rows() == rows && image.intensityImage.cols() == columns)
+        for (const int row : from_high_to_low(geometry_.elevations_deg))
+            for (int k = 0; k < geometry_.columns; ++k)
+                if (image.rangeImage(row, k) != 0)
+                    intensity->push_back(of_full_scale(image.intensityImage(row, k)));
     return true;
 }
 
-bool SpinningScanReader::read_packets(const mrpt::obs::CObservationVelodyneScan& packets,
-                                      SpinningScan& scan) {
-    std::vector<double> elevations_deg;
-    for (const auto& laser : packets.calibration.laser_corrections)
-        elevations_deg.push_back(laser.verticalCorrection);
-    if (elevations_deg.empty() || packets.scan_packets.empty()) return false;
-    PointsOfLasers points(elevations_deg.size(), packets.timestamp);
-    // MRPT's function is not const, though it leaves the packets alone: it may also fill the object's own
-    // cloud.
-    mrpt::obs::CObservationVelodyneScan copy;
-    copy.timestamp = packets.timestamp;
-    copy.minRange = packets.minRange;
-    copy.maxRange = packets.maxRange;
-    copy.calibration = packets.calibration;
-    copy.scan_packets = packets.scan_packets;
-    copy.generatePointCloud(points);
-    scan.begin_s = scan.end_s = 0;
-    for (const int laser : from_high_to_low(elevations_deg)) {
-        scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
-        const auto& ring = points.of_laser(laser);
-        scan.points.insert(scan.points.end(), ring.begin(), ring.end());
-        if (!ring.empty()) scan.end_s = std::max(scan.end_s, static_cast<double>(ring.back().time_s));
-    }
-    scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
-    return true;
-}
-
-bool SpinningScanReader::read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan) {
+bool SpinningScanReader::read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan,
+                                     Intensity* intensity) {
     cloud.load();
     if (!cloud.pointcloud) return false;
     const auto& x_m = cloud.pointcloud->getPointsBufferRef_x();
     const auto& y_m = cloud.pointcloud->getPointsBufferRef_y();
     const auto& z_m = cloud.pointcloud->getPointsBufferRef_z();
+    const auto* with_intensity = intensity != nullptr
+                                     ? dynamic_cast<const mrpt::maps::CPointsMapXYZI*>(cloud.pointcloud.get())
+                                     : nullptr;
+    std::vector<std::uint16_t> as_stored;
     points_m_.clear();
     for (std::size_t i = 0; i < x_m.size(); ++i) {
         // KITTI's files end with a point at the origin, which is none.
         const float level_m2 = x_m[i] * x_m[i] + y_m[i] * y_m[i];
-        if (level_m2 > least_level_m * least_level_m && std::isfinite(level_m2) && std::isfinite(z_m[i]))
-            points_m_.emplace_back(x_m[i], y_m[i], z_m[i]);
+        if (!(level_m2 > least_level_m * least_level_m && std::isfinite(level_m2) && std::isfinite(z_m[i])))
+            continue;
+        points_m_.emplace_back(x_m[i], y_m[i], z_m[i]);
+        if (with_intensity != nullptr)
+            as_stored.push_back(of_full_scale(with_intensity->getPointIntensity_fast(i)));
     }
-    clouds_.read(points_m_, cloud_sweep_, scan);
+    std::vector<std::uint32_t> sources;
+    clouds_.read(points_m_, cloud_sweep_, scan, with_intensity != nullptr ? &sources : nullptr);
+    for (const std::uint32_t source : sources) intensity->push_back(as_stored[source]);
     return true;
 }
 

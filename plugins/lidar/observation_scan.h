@@ -10,6 +10,7 @@
 #include "lidar/cloud_rings.h"
 #include "lidar/range_image.h"
 #include "lidar/spinning_scan.h"
+#include "lidar/velodyne_packets.h"
 
 namespace mrpt::obs {
 class CObservationPointCloud;
@@ -28,27 +29,34 @@ std::shared_ptr<mrpt::obs::CObservationRotatingScan> rotating_scan(const RangeIm
 /// Keeps tables and memory from scan to scan; one for each sensor.
 ///
 /// CObservationRotatingScan: rings by the elevations in its `lidarModel` (beam_table.h), times by column.
-/// CObservationVelodyneScan: rings by the calibration in it, times of its packets.
-/// CObservationPointCloud: rings by the order of its points, or by their elevations; times by azimuth, as
-/// `cloud_sweep` says.
+/// CObservationVelodyneScan: rings by the calibration in it, each return at its own time
+/// (velodyne_packets.h). CObservationPointCloud: rings by the order of its points, or by their elevations;
+/// times by azimuth, as `cloud_sweep` says.
 class SpinningScanReader {
  public:
     explicit SpinningScanReader(const SweepConvention& cloud_sweep = {}) : cloud_sweep_(cloud_sweep) {}
 
     /// False, and nothing in `scan`, if that is no scan of such a lidar: another class, a stamp that is
     /// missing, a model whose elevations nobody knows, numbers that are none, or not a single return.
-    bool read(const mrpt::obs::CObservation& observation, SpinningScan& scan);
+    ///
+    /// `intensity`, if wanted: of each point of the scan, 65535 being full scale; empty if the observation
+    /// has none.
+    bool read(const mrpt::obs::CObservation& observation, SpinningScan& scan,
+              std::vector<std::uint16_t>* intensity = nullptr);
 
  private:
-    bool read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan);
-    bool read_packets(const mrpt::obs::CObservationVelodyneScan& packets, SpinningScan& scan);
-    bool read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan);
+    using Intensity = std::vector<std::uint16_t>;
+    bool read_image(const mrpt::obs::CObservationRotatingScan& image, SpinningScan& scan,
+                    Intensity* intensity);
+    bool read_points(const mrpt::obs::CObservationPointCloud& cloud, SpinningScan& scan,
+                     Intensity* intensity);
 
     SweepConvention cloud_sweep_;
     RangeImageReader images_;
     RangeImageGeometry geometry_;
     std::string model_;  ///< whose elevations are in `geometry_`
     CloudReader clouds_;
+    VelodynePackets packets_;
     std::vector<Eigen::Vector3f> points_m_;
 };
 

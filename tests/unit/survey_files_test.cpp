@@ -72,11 +72,11 @@ TEST(SurveyFiles, clouds_come_back_from_ply_and_pcd_bit_for_bit) {
 }
 
 TEST(SurveyPictures, a_ceiling_is_taken_off_and_a_room_without_one_stays_whole) {
-    const auto closed = height_colours(*cloud_of(room_points(true)));
+    const auto closed = height_colours(PointsInMemory(room_points(true)));
     EXPECT_LT(closed.cut_m, 2.45);
     EXPECT_GT(closed.cut_m, 2.2);
     EXPECT_NEAR(closed.lowest_m, 0, 0.01);
-    const auto open = height_colours(*cloud_of(room_points(false)));
+    const auto open = height_colours(PointsInMemory(room_points(false)));
     EXPECT_TRUE(std::isinf(open.cut_m));
     EXPECT_NEAR(open.highest_m, 2.5, 0.02);
 }
@@ -84,8 +84,8 @@ TEST(SurveyPictures, a_ceiling_is_taken_off_and_a_room_without_one_stays_whole) 
 TEST(SurveyPictures, the_nearest_point_is_seen_and_depth_is_returned) {
     cv::Mat picture(20, 20, CV_8UC3, cv::Scalar(255, 255, 255));
     ParallelView view;  // one pixel a metre, seen from above
-    const auto cloud = cloud_of({{5, 5, 0}, {5, 5, 1}, {5, 5, 0.5f}, {12, 12, 0}, {50, 50, 0}});
-    const auto depth = splat_cloud(picture, *cloud, view, {0, 1, INFINITY});
+    const PointsInMemory cloud({{5, 5, 0}, {5, 5, 1}, {5, 5, 0.5f}, {12, 12, 0}, {50, 50, 0}});
+    const auto depth = splat_cloud(picture, cloud, view, {0, 1, INFINITY});
     EXPECT_EQ(depth(5, 5), 1);
     EXPECT_EQ(depth(12, 12), 0);
     EXPECT_TRUE(std::isinf(depth(0, 0)));
@@ -94,7 +94,7 @@ TEST(SurveyPictures, the_nearest_point_is_seen_and_depth_is_returned) {
     EXPECT_EQ(picture.at<cv::Vec3b>(12, 12), cv::Vec3b(low.blue, low.green, low.red));
     EXPECT_EQ(picture.at<cv::Vec3b>(0, 0), cv::Vec3b(255, 255, 255));
     // With a cut, what is above it is not there.
-    const auto cut = splat_cloud(picture, *cloud, view, {0, 1, 0.7});
+    const auto cut = splat_cloud(picture, cloud, view, {0, 1, 0.7});
     EXPECT_EQ(cut(5, 5), 0.5f);
 }
 

@@ -113,3 +113,20 @@ TEST(ResumedRuns, of_one_that_follows_a_spinning_lidar) {
         std::filesystem::remove_all(runs.path("broken"));
     }
 }
+
+TEST(ResumedRuns, of_one_that_makes_a_cloud_of_a_street) {
+    const BrokenRuns runs(
+        test::street_log(),
+        "checkpoint_items = 7\nmodules = lidar_mapping cloud_map\n[cloud_map]\nmax_range_m = 20\n"
+        "views = 6\n");
+    ASSERT_EQ(runs.run("whole", false), 0);
+    const std::string map = "/map.cloud.ply", whole = file_bytes(runs.path("whole") + map);
+    EXPECT_GT(whole.size(), 1'000'000u);
+    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 60), 137);
+    EXPECT_EQ(runs.run("broken", true, Break::interrupt, 80), 130);
+    const std::string half = file_bytes(runs.path("broken") + map);
+    EXPECT_GT(half.size(), whole.size() / 2);  // what there is is written
+    EXPECT_LT(half.size(), whole.size());
+    EXPECT_EQ(runs.run("broken", true), 0);
+    runs.expect_same("broken", "whole");
+}

@@ -8,6 +8,7 @@
 #include "output/manifest_json.h"
 #include "output/map_files.h"
 #include "output/output_file.h"
+#include "output/stored_cloud_files.h"
 #include "output/tum.h"
 
 namespace loopline {
@@ -26,6 +27,19 @@ void write_trajectories(const std::filesystem::path& folder, const RunRecord& re
                  "covariances");
     }
     if (record.odometry) tum("odometry.tum", *record.odometry, Estimate::latest);
+}
+
+void write_stored_cloud(const std::filesystem::path& folder, const StoredCloud& cloud, FileList& list) {
+    write_ply(folder / "map.cloud.ply", cloud);
+    list.add("map.cloud.ply");
+    write_pcd(folder / "map.cloud.pcd", cloud);
+    list.add("map.cloud.pcd");
+    if (cloud.points().size() <= most_las_points) {
+        write_las(folder / "map.cloud.las", cloud);
+        list.add("map.cloud.las");
+    } else {
+        list.warnings.push_back("map.cloud.las is not written: its format ends at 4,294,967,295 points");
+    }
 }
 
 void write_feature_points(const std::filesystem::path& folder, const RunRecord& record, FileList& list) {
@@ -74,6 +88,7 @@ void write_run_directory(const std::filesystem::path& folder, const RunRecord& r
     if (outputs.maps) {
         write_map_files(folder, record.results, list);
         write_odometry_points(folder, record.odometry_results, list);
+        if (record.cloud != nullptr) write_stored_cloud(folder, *record.cloud, list);
     }
     write_whole_file(folder / "config.ini", record.effective_ini);
     list.add("config.ini");

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "api/loop_closer.h"
+#include "api/map_maker.h"
 #include "api/observation_class.h"
 #include "api/set_aside.h"
 #include "commands/command.h"
@@ -77,6 +78,20 @@ void choose_trajectories(const Experiment& experiment, RunRecord& record) {
                                                    ", a module that estimates no path");
 }
 
+/// Maps that nobody will see are not made.
+void leave_out_maps(const RunSetup& setup) {
+    if (setup.experiment.outputs.maps && !setup.calibrates) return;
+    for (const auto& module : setup.experiment.modules)
+        if (auto* maker = dynamic_cast<MapMaker*>(module.get())) maker->leave_out_map();
+}
+
+void choose_cloud(const Experiment& experiment, RunRecord& record) {
+    for (const auto& module : experiment.modules)
+        if (const auto* maker = dynamic_cast<const MapMaker*>(module.get()))
+            if (const StoredCloud* cloud = maker->cloud(); cloud != nullptr && !cloud->points().empty())
+                record.cloud = cloud;
+}
+
 void record_input(const RunSetup& setup, const LogSource& source, const std::vector<LogIdentity>& logs,
                   RunRecord& record) {
     record.warnings = source.warnings();
@@ -103,8 +118,8 @@ void record_input(const RunSetup& setup, const LogSource& source, const std::vec
 std::unique_ptr<FeaturePointHits> watched_points(const RunSetup& setup) {
     const auto& reference = setup.reference;
     if (!reference || reference->surveyed.points.empty() || reference->truth.empty()) return nullptr;
-    return std::make_unique<FeaturePointHits>(
-        reference->surveyed.points, TruePath(truth_of(reference)), reference->scan_duration_s);
+    return std::make_unique<FeaturePointHits>(reference->surveyed.points, TruePath(truth_of(reference)),
+                                              reference->scan_duration_s);
 }
 
 /// How many of the scans, which are in the log's order as the poses are, have a pose.
@@ -146,6 +161,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
         record_published = [&recorder](const StreamItem& item) { recorder.take(*item.observation); };
     ModuleChain chain(experiment.modules, attempt.rules.state, std::move(record_published));
     Progress progress("estimating", !setup.quiet);
+    leave_out_maps(setup);
     chain.start({setup.threads, experiment.run.seed, setup.calibrates, scratch_folder});
     Checkpoints checkpoints(setup, attempt, chain, recorder);
 
@@ -186,6 +202,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     chain.finish(record.results);
 
     choose_trajectories(experiment, record);
+    choose_cloud(experiment, record);
     record_input(setup, source, checkpoints.logs(), record);
     record.earlier_wall_s = checkpoints.earlier_wall_s();
     record.earlier_cpu_s = checkpoints.earlier_cpu_s();

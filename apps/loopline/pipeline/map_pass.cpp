@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "api/map_maker.h"
 #include "pipeline/interest.h"
 #include "pipeline/log_source.h"
 #include "pipeline/progress.h"
+#include "pipeline/run_scratch.h"
 #include "pipeline/stopwatch.h"
 
 namespace loopline {
@@ -69,6 +71,10 @@ void map_pass(const RunSetup& setup, const Attempt& attempt, std::uint64_t items
     RunContext context;
     context.threads = setup.threads;
     context.seed = setup.experiment.run.seed;
+    context.scratch_folder = scratch_folder_of(setup);
+    if (!setup.experiment.outputs.maps)
+        for (const auto& drawing : drawings)
+            if (auto* maker = dynamic_cast<MapMaker*>(drawing.builder.get())) maker->leave_out_map();
     for (const auto& drawing : drawings) drawing.builder->start(context, *drawing.trajectory);
     for (StreamItem item; source.next(item) && item.sequence < items;) {
         for (auto& drawing : drawings) {
@@ -82,6 +88,9 @@ void map_pass(const RunSetup& setup, const Attempt& attempt, std::uint64_t items
         const auto start = Clock::now();
         drawing.builder->finish(*drawing.results);
         if (drawing.timing != nullptr) drawing.timing->finish_ms += milliseconds_since(start);
+        const auto* maker = dynamic_cast<const MapMaker*>(drawing.builder.get());
+        if (maker != nullptr && maker->cloud() != nullptr && !maker->cloud()->points().empty())
+            record.cloud = maker->cloud();  // rather than that by the poses of the time
     }
 }
 

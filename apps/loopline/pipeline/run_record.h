@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "api/results.h"
+#include "api/stored_cloud.h"
 #include "api/trajectory.h"
 #include "evaluate/evaluation_reference.h"
 #include "evaluate/feature_points.h"
@@ -49,6 +50,7 @@ struct RunRecord {
 
     const Trajectory* trajectory = nullptr;  ///< the result; null if no module estimates one
     const Trajectory* odometry = nullptr;    ///< dead reckoning; null if there is none
+    const StoredCloud* cloud = nullptr;      ///< what a module made; null if none does
     Results results;                         ///< maps from the final poses, metrics of the modules
     Results odometry_results;                ///< the same maps from dead reckoning, for "before" pictures
     std::map<std::string, ModuleTiming> modules;

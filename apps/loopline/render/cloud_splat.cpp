@@ -17,26 +17,25 @@ struct Surface {
     cv::Mat1f height_m;  ///< of the nearest point
 };
 
-Surface nearest_points(cv::Size size, const mrpt::maps::CPointsMap& cloud, const ParallelView& view,
-                       float cut_m) {
+Surface nearest_points(cv::Size size, const PointSource& cloud, const ParallelView& view, float cut_m,
+                       int side_px) {
     Surface surface{cv::Mat1f(size, nothing), cv::Mat1f(size, 0.0f)};
-    const auto& x = cloud.getPointsBufferRef_x();
-    const auto& y = cloud.getPointsBufferRef_y();
-    const auto& z = cloud.getPointsBufferRef_z();
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        if (!(z[i] <= cut_m)) continue;
-        const Eigen::Vector3f p = view({x[i], y[i], z[i]});
-        if (!(p.x() >= 0 && p.y() >= 0 && p.x() < size.width - 1 && p.y() < size.height - 1)) continue;
+    const float right = static_cast<float>(size.width - side_px + 1),
+                lower = static_cast<float>(size.height - side_px + 1);
+    cloud.for_each(1, [&](const Eigen::Vector3f& p_map_m) {
+        if (!(p_map_m.z() <= cut_m)) return;
+        const Eigen::Vector3f p = view(p_map_m);
+        if (!(p.x() >= 0 && p.y() >= 0 && p.x() < right && p.y() < lower)) return;
         const int column = static_cast<int>(p.x()), row = static_cast<int>(p.y());
-        for (int r = row; r < row + 2; ++r) {
+        for (int r = row; r < row + side_px; ++r) {
             float* depth = surface.depth_m[r] + column;
-            for (int c = 0; c < 2; ++c)
+            for (int c = 0; c < side_px; ++c)
                 if (p.z() > depth[c]) {
                     depth[c] = p.z();
-                    surface.height_m(r, column + c) = z[i];
+                    surface.height_m(r, column + c) = p_map_m.z();
                 }
         }
-    }
+    });
     return surface;
 }
 
@@ -67,9 +66,10 @@ constexpr std::size_t sample_size = 200'000;
 
 }  // namespace
 
-cv::Mat1f splat_cloud(cv::Mat& bgr, const mrpt::maps::CPointsMap& cloud, const ParallelView& view,
-                      const HeightColours& colours) {
-    const Surface surface = nearest_points(bgr.size(), cloud, view, static_cast<float>(colours.cut_m));
+cv::Mat1f splat_cloud(cv::Mat& bgr, const PointSource& cloud, const ParallelView& view,
+                      const HeightColours& colours, int side_px) {
+    const Surface surface =
+        nearest_points(bgr.size(), cloud, view, static_cast<float>(colours.cut_m), side_px);
     constexpr int shades = 256;
     std::array<Colour, shades> ramp;
     for (int i = 0; i < shades; ++i) ramp[static_cast<std::size_t>(i)] = palette::height(i / (shades - 1.0));
@@ -87,29 +87,26 @@ cv::Mat1f splat_cloud(cv::Mat& bgr, const mrpt::maps::CPointsMap& cloud, const P
     return surface.depth_m;
 }
 
-Bounds bounds_of_cloud(const mrpt::maps::CPointsMap& cloud, const Eigen::Matrix3d& axes) {
-    const auto& x = cloud.getPointsBufferRef_x();
-    const auto& y = cloud.getPointsBufferRef_y();
-    const auto& z = cloud.getPointsBufferRef_z();
-    const std::size_t stride = x.size() / sample_size + 1;
+Bounds bounds_of_cloud(const PointSource& cloud, const Eigen::Matrix3d& axes, double left_out) {
+    const std::size_t stride = cloud.size() / sample_size + 1;
     std::array<std::vector<float>, 3> values;
     const Eigen::Matrix3f R = axes.cast<float>();
-    for (std::size_t i = 0; i < x.size(); i += stride) {
-        const Eigen::Vector3f p = R * Eigen::Vector3f(x[i], y[i], z[i]);
+    cloud.for_each(stride, [&](const Eigen::Vector3f& p_map_m) {
+        const Eigen::Vector3f p = R * p_map_m;
         if (p.allFinite())
             for (int axis = 0; axis < 3; ++axis) values[static_cast<std::size_t>(axis)].push_back(p[axis]);
-    }
+    });
     Bounds bounds;
     if (values[0].empty()) return bounds;
     for (int axis = 0; axis < 3; ++axis) {
         auto& v = values[static_cast<std::size_t>(axis)];
-        bounds.low_m[axis] = sample_quantile(v, 0.001);
-        bounds.high_m[axis] = sample_quantile(v, 0.999);
+        bounds.low_m[axis] = sample_quantile(v, left_out);
+        bounds.high_m[axis] = sample_quantile(v, 1 - left_out);
     }
     return bounds;
 }
 
-HeightColours height_colours(const mrpt::maps::CPointsMap& cloud) {
+HeightColours height_colours(const PointSource& cloud) {
     HeightColours colours;
     const Bounds bounds = bounds_of_cloud(cloud, Eigen::Matrix3d::Identity());
     if (bounds.empty()) return colours;
@@ -118,13 +115,11 @@ HeightColours height_colours(const mrpt::maps::CPointsMap& cloud) {
 
     constexpr double bin_m = 0.05, near_top = 0.2, many_times = 4;
     const double span_m = colours.highest_m - colours.lowest_m;
-    const auto& z = cloud.getPointsBufferRef_z();
     std::vector<double> points_at(static_cast<std::size_t>(span_m / bin_m) + 1, 0);
-    const std::size_t stride = z.size() / sample_size + 1;
-    for (std::size_t i = 0; i < z.size(); i += stride) {
-        const double bin = std::floor((z[i] - colours.lowest_m) / bin_m);
+    cloud.for_each(cloud.size() / sample_size + 1, [&](const Eigen::Vector3f& p_map_m) {
+        const double bin = std::floor((p_map_m.z() - colours.lowest_m) / bin_m);
         if (bin >= 0 && bin < double(points_at.size())) ++points_at[static_cast<std::size_t>(bin)];
-    }
+    });
     const auto top =
         points_at.begin() + static_cast<std::ptrdiff_t>((1 - near_top) * double(points_at.size()));
     const auto fullest = std::max_element(top, points_at.end());

@@ -2,12 +2,11 @@
 /// nanoseconds a point, without OpenGL.
 #pragma once
 
-#include <mrpt/maps/CPointsMap.h>
-
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
 #include "render/content_bounds.h"
+#include "render/point_source.h"
 
 namespace loopline {
 
@@ -24,18 +23,19 @@ struct HeightColours {
     double cut_m = INFINITY;
 };
 
-/// Draws the points onto `bgr`, each 2 x 2 pixels, the nearest in front, coloured by height; what stands
-/// behind an edge is darkened, so that surfaces come apart (eye-dome lighting, Boucheny 2009). Returns how
-/// near to the eye the surface is at each pixel, in the view's z; minus infinity where there is none.
-cv::Mat1f splat_cloud(cv::Mat& bgr, const mrpt::maps::CPointsMap& cloud, const ParallelView& view,
-                      const HeightColours& colours);
+/// Draws the points onto `bgr`, each `side_px` pixels wide and high, the nearest in front, coloured by
+/// height; what stands behind an edge is darkened, so that surfaces come apart (eye-dome lighting, Boucheny
+/// 2009). Returns how near to the eye the surface is at each pixel, in the view's z; minus infinity where
+/// there is none.
+cv::Mat1f splat_cloud(cv::Mat& bgr, const PointSource& cloud, const ParallelView& view,
+                      const HeightColours& colours, int side_px = 2);
 
-/// Of all but the farthest 0.1 % of the points in each direction, in the axes of `axes` (rows; identity: the
-/// map's).
-Bounds bounds_of_cloud(const mrpt::maps::CPointsMap& cloud, const Eigen::Matrix3d& axes);
+/// Of all but the farthest points in each direction, a share `left_out` at each end, in the axes of `axes`
+/// (rows; identity: the map's).
+Bounds bounds_of_cloud(const PointSource& cloud, const Eigen::Matrix3d& axes, double left_out = 0.001);
 
 /// Colours for the heights of a cloud, cut below its ceiling if it has one: a level near its top that holds
 /// many times more points than the heights under it.
-HeightColours height_colours(const mrpt::maps::CPointsMap& cloud);
+HeightColours height_colours(const PointSource& cloud);
 
 }  // namespace loopline

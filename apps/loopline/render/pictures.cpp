@@ -4,6 +4,7 @@
 
 #include "commands/command.h"
 #include "output/output_file.h"
+#include "render/cloud_views.h"
 #include "render/picture_file.h"
 #include "render/plan_views.h"
 #include "render/render.h"
@@ -24,10 +25,11 @@ void render_picture(const SceneContent& content, View view, PictureSize size,
     cv::Mat picture;
     switch (view) {
         case View::top:
-            picture = draw_top_view(content, size);
+            picture = content.cloud ? draw_cloud_top(content, size) : draw_top_view(content, size);
             break;
         case View::axonometric:
-            picture = draw_axonometric_view(content, size);
+            picture =
+                content.cloud ? draw_cloud_axonometric(content, size) : draw_axonometric_view(content, size);
             break;
         case View::follow:
             picture = draw_follow_view(content, size);
@@ -60,7 +62,11 @@ std::vector<std::filesystem::path> write_snapshots(const SceneContent& content,
         const bool of_survey = view == View::survey_top || view == View::survey_axonometric;
         if (of_survey && content.surveys.empty()) continue;
         try {
-            render_picture(content, view, of_survey ? survey_picture_size(content) : PictureSize{},
+            const bool of_cloud = content.cloud && (view == View::top || view == View::axonometric);
+            render_picture(content, view,
+                           of_survey  ? survey_picture_size(content)
+                           : of_cloud ? cloud_picture_size(content, view == View::top)
+                                      : PictureSize{},
                            folder / name);
             files.push_back(folder / name);
         } catch (const CommandError& error) {

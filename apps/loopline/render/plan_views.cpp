@@ -80,6 +80,7 @@ std::string content_summary(const SceneContent& content) {
     if (content.lines && !content.lines->empty())
         add(grouped(content.lines->size()) + (content.lines->size() == 1 ? " wall" : " walls"));
     if (!content.points_m.empty()) add(grouped(content.points_m.size()) + " points");
+    if (content.cloud) add(grouped(content.cloud->size()) + " points");
     if (content.grid) {
         std::snprintf(number, sizeof number, "%.3g cm", content.grid->getResolution() * 100);
         add(std::string("grid of ") + number);

@@ -59,6 +59,7 @@ SceneContent scene_from_record(const RunRecord& record, const std::string& title
     add_points(record.results, content.points_m);
     add_points(record.odometry_results, content.points_odometry_m);
     content.surveys = surveys_of(record);
+    if (record.cloud != nullptr) content.cloud = std::make_shared<PointsOfCloud>(*record.cloud);
     for (const auto& named : record.results.maps)
         if (!content.grid)
             content.grid = std::dynamic_pointer_cast<mrpt::maps::COccupancyGridMap2D>(named.map);

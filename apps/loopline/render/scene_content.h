@@ -6,12 +6,14 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "api/line_map.h"
 #include "api/pose3.h"
+#include "render/point_source.h"
 
 namespace loopline {
 
@@ -26,13 +28,16 @@ struct SurveyCloud {
 
 struct SceneContent {
     std::string title;
-    std::vector<Pose3> estimated_path;   ///< map frame
-    std::vector<Pose3> odometry_path;    ///< map frame: both start at the same pose
+    std::vector<Pose3> estimated_path;  ///< map frame
+    std::vector<Pose3> odometry_path;   ///< map frame: both start at the same pose
     std::optional<LineMap> lines;
     std::vector<Eigen::Vector3f> points_m;           ///< scan points by the estimated path
     std::vector<Eigen::Vector3f> points_odometry_m;  ///< scan points by dead reckoning
     mrpt::maps::COccupancyGridMap2D::Ptr grid;       ///< null if there is none
     std::vector<SurveyCloud> surveys;
+    /// Cloud of a map in three dimensions, drawn by its heights; null if there is none. What it is taken from
+    /// outlives this.
+    std::shared_ptr<const PointSource> cloud;
 };
 
 SceneContent scene_from_record(const RunRecord& record, const std::string& title);

@@ -11,6 +11,7 @@
 #include "output/line_map_csv.h"
 #include "output/map_server_grid.h"
 #include "output/tum.h"
+#include "render/content_bounds.h"
 #include "render/point_files.h"
 #include "render/scene_content.h"
 
@@ -18,6 +19,10 @@ namespace loopline {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Points of a file that rise by more than this, and are not a handful, are drawn as a cloud in space.
+constexpr double level_m = 1;
+constexpr std::size_t fewest_of_cloud = 10'000;
 
 std::vector<Pose3> path_from_tum(const fs::path& file) {
     std::vector<Pose3> poses;
@@ -80,8 +85,8 @@ mrpt::maps::CPointsMap::Ptr cloud_from(const fs::path& file) {
 /// map.NAME.ply or map.NAME_odometry.ply, which comes after it in name order.
 void add_survey(const fs::path& file, SceneContent& content) {
     const std::string stem = file.stem().string().substr(4), suffix = "_odometry";
-    const bool is_raw = stem.size() > suffix.size() &&
-                        stem.compare(stem.size() - suffix.size(), suffix.size(), suffix) == 0;
+    const bool is_raw =
+        stem.size() > suffix.size() && stem.compare(stem.size() - suffix.size(), suffix.size(), suffix) == 0;
     const std::string name = is_raw ? stem.substr(0, stem.size() - suffix.size()) : stem;
     auto& surveys = content.surveys;
     auto found = std::find_if(surveys.begin(), surveys.end(), [&](const auto& s) { return s.name == name; });
@@ -105,7 +110,8 @@ std::vector<fs::path> files_like(const fs::path& folder, const std::string& star
 
 bool has_content(const SceneContent& content) {
     return !content.estimated_path.empty() || !content.odometry_path.empty() || !content.points_m.empty() ||
-           (content.lines && !content.lines->empty()) || content.grid || !content.surveys.empty();
+           (content.lines && !content.lines->empty()) || content.grid || !content.surveys.empty() ||
+           content.cloud;
 }
 
 SceneContent scene_from_run(const fs::path& folder) {
@@ -115,6 +121,10 @@ SceneContent scene_from_run(const fs::path& folder) {
     if (fs::exists(folder / "odometry.tum")) content.odometry_path = path_from_tum(folder / "odometry.tum");
     if (fs::exists(folder / "map.lines.csv")) content.lines = read_line_map_csv(folder / "map.lines.csv");
     for (const auto& file : files_like(folder, "map.", ".ply")) {
+        if (file.filename() == "map.cloud.ply") {
+            content.cloud = std::make_shared<PointsInMemory>(points_from(file));
+            continue;
+        }
         if (file.filename().string().rfind("map.points", 0) != 0) {
             add_survey(file, content);
             continue;
@@ -137,7 +147,11 @@ SceneContent scene_from_file(const fs::path& file) {
         (file.filename() == "odometry.tum" ? content.odometry_path : content.estimated_path) =
             path_from_tum(file);
     } else if (extension == ".ply" || extension == ".pcd") {
-        content.points_m = points_from(file);
+        auto points_m = points_from(file);
+        if (points_m.size() >= fewest_of_cloud && bounds_of_points(points_m).extent_m().z() > level_m)
+            content.cloud = std::make_shared<PointsInMemory>(std::move(points_m));
+        else
+            content.points_m = std::move(points_m);
     } else if (extension == ".gridmap" || extension == ".yaml") {
         content.grid = grid_from(file);
     } else if (extension == ".simplemap") {

@@ -48,7 +48,7 @@ Direction axonometric_direction() {
 Bounds bounds_of_sides(const std::vector<Side>& sides, const Eigen::Matrix3d& axes) {
     Bounds bounds;
     for (const Side& side : sides) {
-        if (side.cloud) bounds.add(bounds_of_cloud(*side.cloud, axes));
+        if (side.cloud) bounds.add(bounds_of_cloud(PointsOfMap(*side.cloud), axes));
         for (const Pose3& pose : *side.path) bounds.add(axes * pose.translation_m);
     }
     return bounds;
@@ -67,7 +67,7 @@ ParallelView view_into(const MapWindow& window, const Direction& direction) {
 void draw_cloud(Canvas& canvas, const MapWindow& window, const Direction& direction,
                 const mrpt::maps::CPointsMap& cloud, const HeightColours& colours) {
     cv::Mat pixels = canvas.drawn_pixels(window.box);
-    splat_cloud(pixels, cloud, view_into(window, direction), colours);
+    splat_cloud(pixels, PointsOfMap(cloud), view_into(window, direction), colours);
 }
 
 void draw_path(Figure& figure, const MapWindow& window, const Side& side) {
@@ -92,7 +92,7 @@ std::string subtitle_of(const mrpt::maps::CPointsMap::Ptr& cloud, const HeightCo
 cv::Mat draw(const SceneContent& content, PictureSize size, const Direction& direction) {
     const auto sides = sides_of(content);
     const auto& reference = sides[1].cloud ? sides[1].cloud : sides[0].cloud;
-    const HeightColours colours = reference ? height_colours(*reference) : HeightColours{};
+    const HeightColours colours = reference ? height_colours(PointsOfMap(*reference)) : HeightColours{};
     Figure::Text text;
     text.title = content.title + (direction.from_above ? ": survey from above" : ": survey, axonometric");
     text.subtitle = subtitle_of(reference, colours);

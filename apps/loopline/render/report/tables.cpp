@@ -14,8 +14,16 @@ using html::escaped;
 
 constexpr std::size_t most_bytes_per_picture = 500'000;  // keeps the page well under 3 MB
 
-std::string caption_of(const std::string& stem) {
+bool has_cloud(const RunFiles& run) {
+    return std::any_of(run.files.begin(), run.files.end(),
+                       [](const RunFile& file) { return file.path == "map.cloud.ply"; });
+}
+
+std::string caption_of(const RunFiles& run, const std::string& stem) {
+    if (stem == "top" && has_cloud(run)) return "The map from above, coloured by height";
     if (stem == "top") return "The map from above";
+    if (stem == "axonometric" && has_cloud(run))
+        return "The map from aside, coloured by height; where the path is hidden, it is dashed";
     if (stem == "axonometric") return "Axonometric view; walls are raised to be seen, the scan is planar";
     if (stem == "before_after") return "Scan points placed by dead reckoning, and by the estimate";
     if (stem == "survey_top") return "The survey cloud from above, by dead reckoning and by corrected poses";
@@ -28,7 +36,7 @@ std::string caption_of(const std::string& stem) {
 }
 
 std::string figure_of(const RunFiles& run, const std::string& path) {
-    return picture_figure(run.folder, path, caption_of(std::filesystem::path(path).stem().string()),
+    return picture_figure(run.folder, path, caption_of(run, std::filesystem::path(path).stem().string()),
                           most_bytes_per_picture);
 }
 

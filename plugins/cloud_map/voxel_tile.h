@@ -1,0 +1,100 @@
+/// Part of a map in memory: cubes of space that hold one point each, or are known to have given theirs away.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+namespace loopline::cloud_map {
+
+/// Whole numbers of some cube's edge.
+using CubeIndex = std::array<std::int32_t, 3>;
+
+constexpr std::uint64_t pack(const CubeIndex& index) {
+    constexpr std::uint64_t mask = (std::uint64_t{1} << 21) - 1;
+    return (static_cast<std::uint64_t>(index[0]) & mask) << 42 |
+           (static_cast<std::uint64_t>(index[1]) & mask) << 21 |
+           (static_cast<std::uint64_t>(index[2]) & mask);
+}
+
+/// The point of a voxel on which is not decided yet.
+struct Candidate {
+    std::uint32_t time_ticks = 0;          ///< as CloudPoint's
+    std::uint32_t view = 0;                ///< number of the view that comes next after the point
+    std::uint16_t intensity = 0;           ///< as CloudPoint's
+    std::uint16_t place = 0;               ///< of the voxel in its block
+    std::array<std::uint8_t, 3> offset{};  ///< in the voxel, in 256 parts of its edge
+    std::uint8_t seen = 0, through = 0;    ///< views that say so
+};
+
+/// 8 x 8 x 8 voxels: two bits for each, and the candidates in the order of their places.
+class Block {
+ public:
+    static constexpr int edge = 8, voxels = edge * edge * edge;
+
+    Block() = default;
+    explicit Block(const CubeIndex& i) : index(i) {}
+
+    CubeIndex index{};  ///< in units of a block's edge
+
+    /// Whether a voxel has given its point to the map, or holds a candidate.
+    bool is_taken(unsigned place) const {
+        return ((given_[place / 64] | held_[place / 64]) >> (place % 64) & 1) != 0;
+    }
+    void hold(const Candidate& candidate);
+    void give(unsigned place) { given_[place / 64] |= bit(place); }
+
+    const std::vector<Candidate>& candidates() const { return candidates_; }
+    /// `judge(candidate)` may change its counts and says what becomes of each.
+    enum class Fate { stays, given, dropped };
+    template <class Judge>
+    void judge(const Judge& judge) {
+        std::size_t kept = 0;
+        for (Candidate& candidate : candidates_) {
+            const Fate fate = judge(candidate);
+            if (fate == Fate::stays) {
+                candidates_[kept++] = candidate;
+                continue;
+            }
+            held_[candidate.place / 64] &= ~bit(candidate.place);
+            if (fate == Fate::given) give(candidate.place);
+        }
+        candidates_.resize(kept);
+        if (kept == 0) std::vector<Candidate>().swap(candidates_);
+    }
+
+ private:
+    template <class Archive>
+    friend void fields(Archive&, Block&);
+    static std::uint64_t bit(unsigned place) { return std::uint64_t{1} << (place % 64); }
+
+    std::array<std::uint64_t, voxels / 64> given_{}, held_{};
+    std::vector<Candidate> candidates_;
+};
+
+/// Blocks of an upright column of space.
+class Tile {
+ public:
+    /// The block, made if it is new. Valid until the next one is made.
+    Block& block(const CubeIndex& index);
+    std::vector<Block>& blocks() { return blocks_; }
+    const std::vector<Block>& blocks() const { return blocks_; }
+
+ private:
+    template <class Archive>
+    friend void fields(Archive&, Tile&);
+    struct Mix {
+        std::size_t operator()(std::uint64_t key) const {
+            key = (key ^ key >> 30) * 0xbf58476d1ce4e5b9U;
+            key = (key ^ key >> 27) * 0x94d049bb133111ebU;
+            return static_cast<std::size_t>(key ^ key >> 31);
+        }
+    };
+    std::vector<Block> blocks_;  ///< in the order in which they were first met
+    std::unordered_map<std::uint64_t, std::uint32_t, Mix> place_of_;
+};
+
+}  // namespace loopline::cloud_map

@@ -1,0 +1,322 @@
+/// The cloud of a spinning lidar: each return at the pose of its own time, one point a voxel, nothing that
+/// moved, and no more memory on the second lap than on the first.
+#include <gtest/gtest.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+#include <mrpt/obs/CObservationRotatingScan.h>
+
+#include <map>
+#include <random>
+#include <set>
+
+#include "api/mrpt_pose.h"
+#include "cloud_map/cloud_map_module.h"
+#include "support/run_program.h"
+#include "support/traffic_log.h"
+
+using namespace loopline;
+using namespace loopline::cloud_map;
+
+namespace {
+
+constexpr StampNs start_ns = 1'400'000'000'000'000'000;
+
+/// As if all beams met something at ranges that `range_m(elevation, azimuth)` gives; 0 for nothing.
+template <class Range>
+lidar::SpinningScan scan_of(const Range& range_m, int columns = 900) {
+    lidar::SpinningScan scan;
+    scan.stamp_ns = start_ns;
+    scan.end_s = 0.1;
+    for (int ring = 0; ring < 32; ++ring) {
+        const double e = (10 - 1.33 * ring) * M_PI / 180;
+        scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
+        for (int k = 0; k < columns; ++k) {
+            const double a = M_PI - 2 * M_PI * (k + 0.5) / columns, r = range_m(e, a);
+            if (!(r > 0)) continue;
+            scan.points.push_back({static_cast<float>(r * std::cos(e) * std::cos(a)),
+                                   static_cast<float>(r * std::cos(e) * std::sin(a)),
+                                   static_cast<float>(r * std::sin(e)),
+                                   static_cast<float>(0.1 * k / columns)});
+        }
+    }
+    scan.ring_begin.push_back(static_cast<std::uint32_t>(scan.points.size()));
+    return scan;
+}
+
+PoseAt standing(const Pose3& T_map_base = {}) {
+    return [T_map_base](StampNs) { return T_map_base; };
+}
+
+RangeView view_of(const lidar::SpinningScan& scan) {
+    SweepMotion motion;
+    EXPECT_TRUE(motion.follow(scan, standing()));
+    return RangeView(scan, motion);
+}
+
+std::array<long, 3> cube_of(const Eigen::Vector3d& p_m, double edge_m) {
+    return {std::lround(std::floor(p_m.x() / edge_m)), std::lround(std::floor(p_m.y() / edge_m)),
+            std::lround(std::floor(p_m.z() / edge_m))};
+}
+
+}  // namespace
+
+TEST(CloudMapPoses, motion_goes_on_before_the_first_pose_and_after_the_last_but_not_across_a_gap) {
+    PoseWindow window(0.5);
+    EXPECT_FALSE(window.at(0));
+    const auto at_x = [](double x_m) { return Pose3({x_m, 0, 0}, Eigen::Quaterniond::Identity()); };
+    const StampNs ms = 1'000'000;
+    window.add({0, at_x(0)});
+    window.add({100 * ms, at_x(1)});
+    window.add({200 * ms, at_x(3)});
+    window.add({900 * ms, at_x(20)});
+    EXPECT_NEAR(window.at(50 * ms)->translation_m.x(), 0.5, 1e-9);
+    EXPECT_NEAR(window.at(150 * ms)->translation_m.x(), 2, 1e-9);
+    EXPECT_NEAR(window.at(-50 * ms)->translation_m.x(), -0.5, 1e-9);
+    EXPECT_NEAR(window.at(250 * ms)->translation_m.x(), 4, 1e-9);
+    EXPECT_NEAR(window.at(850 * ms)->translation_m.x(), 20, 1e-9);  // what moved it there nobody knows
+    EXPECT_FALSE(window.at(-501 * ms));
+    EXPECT_FALSE(window.at(1401 * ms));
+    window.forget_before(150 * ms);
+    EXPECT_NEAR(window.at(150 * ms)->translation_m.x(), 2, 1e-9);
+}
+
+TEST(CloudMapPoses, each_return_is_carried_by_the_pose_of_its_own_time) {
+    const Twist3 velocity{{12, 0.3, -0.2}, {0.1, -0.2, 0.9}};  // a second
+    const Pose3 T_base_lidar({0.5, 0.1, 1.7},
+                             Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())));
+    const Pose3 T_map_start(
+        {5000, -3000, 40}, Eigen::Quaterniond(Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 9).normalized())));
+    const auto true_pose = [&](double t_s) { return T_map_start * exp_se3(velocity * t_s); };
+    PoseWindow window(0.5);
+    for (const double t_s : {-0.1, 0.0, 0.1, 0.2})
+        window.add({start_ns + std::llround(1e9 * t_s), true_pose(t_s)});
+    auto scan = scan_of([](double, double a) { return 30 + 10 * std::sin(5 * a); });
+    scan.T_base_lidar = T_base_lidar;
+    SweepMotion motion;
+    ASSERT_TRUE(motion.follow(scan, [&](StampNs t) { return window.at(t); }));
+    for (std::size_t i = 0; i < scan.points.size(); i += 7) {
+        const auto& p = scan.points[i];
+        const Eigen::Vector3d exact =
+            true_pose(p.time_s) * T_base_lidar * Eigen::Vector3d(p.x_m, p.y_m, p.z_m);
+        ASSERT_LT((motion.p_map_m(p) - exact).norm(), 1e-4);
+    }
+}
+
+TEST(CloudMapVoxels, one_point_is_kept_in_each_cube_and_it_is_the_first) {
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> place(-20, 20);
+    auto scan = scan_of([](double, double) { return 0; });
+    scan.T_base_lidar = Pose3({3000.3, -40.2, 7.7}, Eigen::Quaterniond::Identity());
+    for (int i = 0; i < 60000; ++i)
+        scan.points.push_back({static_cast<float>(place(random)), static_cast<float>(place(random)),
+                               static_cast<float>(place(random) / 10), static_cast<float>(1e-6 * i)});
+    scan.ring_begin.back() = static_cast<std::uint32_t>(scan.points.size());
+    CloudMapSettings settings;
+    settings.voxel_m = 0.25;
+    settings.min_range_m = 2;
+    settings.max_range_m = 15;
+    settings.removal.remove_moving = false;
+    CloudMapper mapper(settings, 2);
+    std::vector<std::uint16_t> intensity(scan.points.size());
+    for (std::size_t i = 0; i < intensity.size(); ++i) intensity[i] = static_cast<std::uint16_t>(i);
+    ASSERT_TRUE(mapper.add(scan, intensity, standing()));
+    mapper.finish();
+
+    std::map<std::array<long, 3>, std::size_t> first_of;
+    SweepMotion motion;
+    ASSERT_TRUE(motion.follow(scan, standing()));
+    for (std::size_t i = 0; i < scan.points.size(); ++i) {
+        const auto& p = scan.points[i];
+        const double range_m = Eigen::Vector3d(p.x_m, p.y_m, p.z_m).norm();
+        if (range_m > 2 && range_m < 15) first_of.emplace(cube_of(motion.p_map_m(p), 0.25), i);
+    }
+    const auto& points = mapper.cloud().points();
+    ASSERT_EQ(points.size(), first_of.size());
+    EXPECT_GT(points.size(), 10000u);
+    for (const CloudPoint& point : points) {
+        const auto found = first_of.find(cube_of(point.p_map_m(), 0.25));
+        ASSERT_NE(found, first_of.end());
+        ASSERT_LT((point.p_map_m() - motion.p_map_m(scan.points[found->second])).cwiseAbs().maxCoeff(),
+                  0.25 / 512 + 1e-4);
+        ASSERT_EQ(point.intensity, static_cast<std::uint16_t>(found->second));
+        ASSERT_NEAR(point.time_s(), scan.points[found->second].time_s, 1e-4);
+    }
+}
+
+TEST(CloudMapView, tells_what_it_looked_through_from_what_it_saw_and_what_was_hidden) {
+    const RangeView view = view_of(scan_of([](double, double) { return 20; }));
+    const ViewSettings settings;
+    for (const double a : {0.1, 1.7, 3.1, -3.1, -0.7}) {
+        const auto at = [&](float r) {
+            return view.look(Eigen::Vector3f(r * static_cast<float>(std::cos(a)),
+                                             r * static_cast<float>(std::sin(a)), -0.5f),
+                             settings);
+        };
+        EXPECT_EQ(at(12), Evidence::through);
+        EXPECT_EQ(at(20), Evidence::seen);
+        EXPECT_EQ(at(25), Evidence::none);
+    }
+    EXPECT_EQ(view.look({0.5f, 0, 5}, settings), Evidence::none);  // above all beams
+}
+
+TEST(CloudMapView, spares_the_ground_at_a_grazing_angle_though_poses_are_wrong) {
+    constexpr double height_m = 1.8;
+    const RangeView view =
+        view_of(scan_of([](double e, double) { return e < -0.03 ? height_m / std::sin(-e) : 0; }));
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<float> x(-45, 45), error(-1, 1);
+    int seen = 0;
+    for (int i = 0; i < 20000; ++i) {
+        Eigen::Vector3f p(x(random), x(random), -static_cast<float>(height_m) + 0.02f * error(random));
+        p = Eigen::AngleAxisf(0.001f * error(random), Eigen::Vector3f::UnitY()) * p;
+        const Evidence evidence = view.look(p, {});
+        ASSERT_NE(evidence, Evidence::through) << p.transpose();
+        seen += evidence == Evidence::seen ? 1 : 0;
+    }
+    EXPECT_GT(seen, 2000);
+}
+
+TEST(CloudMapView, spares_a_thin_post_though_most_beams_pass_beside_it) {
+    // 12 cm at 15 m: one or two columns of 0.4 degrees, in front of a wall.
+    const double half_rad = 0.06 / 15;
+    const RangeView view =
+        view_of(scan_of([&](double, double a) { return std::abs(a - 0.5) < half_rad ? 15.0 : 40.0; }));
+    for (const float off_m : {-0.05f, 0.0f, 0.05f})
+        for (const float z_m : {-3.0f, 0.1f, 1.0f}) {
+            const Eigen::Vector3f post(15 * std::cos(0.5f), 15 * std::sin(0.5f), z_m);
+            const Eigen::Vector3f across(-std::sin(0.5f), std::cos(0.5f), 0);
+            EXPECT_NE(view.look(post + off_m * across, {}), Evidence::through);
+        }
+}
+
+namespace {
+
+/// 20 s: what is seen at the very end, no later sweep can tell to be gone.
+constexpr const char* longer_street =
+    "[simulation]\nseed = 3\nsensors = spinning_lidar\n[world]\ngenerator = town\n[route]\n"
+    "drive = pushed\nwaypoint_m = 0 0\nwaypoint_m = 100 0\nwaypoint_m = 140 30\n[cart]\n"
+    "speed_mps = 8\nspeed_up_s = 3\ncorner_radius_m = 12\nstandstill_s = 1\nend_standstill_s = 1\n"
+    "[terrain]\nsigma_slope_deg = 2\n[spinning_lidar]\nbeams = 32\ncolumns = 360\nrate_hz = 5\n";
+
+}  // namespace
+
+TEST(CloudMapRemoval, leaves_out_the_traffic_of_a_town_and_keeps_what_stands) {
+    const test::TemporaryFolder folder;
+    const std::string scenario =
+        folder.write("street.ini", std::string(longer_street) + "[traffic]\noncoming_s = 4\nahead = 0.8\n");
+    test::TrafficLog log(scenario, {});
+    test::TrafficLog::Count all, kept;
+    CloudMapSettings settings;
+    CloudMapper without(settings, 2);
+    settings.removal.remove_moving = false;
+    CloudMapper with(settings, 2);
+    lidar::SpinningScanReader reader;
+    lidar::SpinningScan scan;
+    const PoseAt truth = [&](StampNs t) { return log.T_map_base(t); };
+    log.for_each_sweep([&](const mrpt::obs::CObservation::Ptr& sweep) {
+        if (!reader.read(*sweep, scan)) return;
+        without.add(scan, {}, truth);
+        with.add(scan, {}, truth);
+    });
+    without.finish();
+    with.finish();
+    all = log.count(with.cloud());
+    kept = log.count(without.cloud());
+    EXPECT_GT(all.moving, 5000u);
+    EXPECT_LT(double(kept.moving), 0.05 * double(all.moving));
+    EXPECT_GT(double(kept.still), 0.99 * double(all.still));
+}
+
+namespace {
+
+/// A street between two rows of houses, round a square of 150 m, seen every 2 m.
+struct SquareDrive {
+    static constexpr int sweeps_per_lap = 300;
+
+    static Pose3 pose(int k) {
+        const double way_m = 2.0 * (k % sweeps_per_lap), side_m = 150;
+        const int side = static_cast<int>(way_m / side_m);
+        const double along_m = way_m - side * side_m, c[] = {0, side_m, side_m, 0},
+                     s[] = {0, 0, side_m, side_m};
+        const double a = side * M_PI / 2;
+        return {{c[side] + along_m * std::cos(a), s[side] + along_m * std::sin(a), 1.8},
+                Eigen::Quaterniond(Eigen::AngleAxisd(a, Eigen::Vector3d::UnitZ()))};
+    }
+    static lidar::SpinningScan scan(int k) {
+        auto scan = scan_of(
+            [](double e, double a) {
+                const double to_wall_m = 8 / std::max(0.05, std::abs(std::sin(a)) * std::cos(e));
+                const double to_ground_m = e < 0 ? 1.8 / std::sin(-e) : 1e9;
+                return std::min({to_wall_m, to_ground_m, 60.0});
+            },
+            360);
+        scan.stamp_ns = start_ns + 200'000'000LL * k;
+        return scan;
+    }
+};
+
+}  // namespace
+
+TEST(CloudMapMemory, is_the_same_after_each_lap_and_so_is_the_map) {
+    const test::TemporaryFolder folder;
+    CloudMapSettings settings;
+    settings.max_range_m = 25;
+    settings.removal.views = 5;
+    CloudMapper mapper(settings, 1);
+    mapper.keep_in(folder.path(), "map");
+    CloudMapCounts after_lap[3];
+    std::size_t points_after_lap[3] = {0, 0, 0};
+    for (int lap = 0; lap < 3; ++lap) {
+        for (int k = 0; k < SquareDrive::sweeps_per_lap; ++k)
+            mapper.add(SquareDrive::scan(lap * SquareDrive::sweeps_per_lap + k), {},
+                       standing(SquareDrive::pose(k)));
+        after_lap[lap] = mapper.counts();
+        points_after_lap[lap] = mapper.cloud().points().size();
+    }
+    mapper.finish();
+    std::set<std::array<long, 3>> cubes;
+    for (const CloudPoint& point : mapper.cloud().points())
+        cubes.insert(cube_of(point.p_map_m(), settings.voxel_m));
+    EXPECT_EQ(cubes.size(), mapper.cloud().points().size());  // tiles that were forgotten were found again
+    // Of a tile that comes back, those blocks too are there that were seen last when it was left before.
+    EXPECT_LT(double(after_lap[1].most_blocks), 1.2 * double(after_lap[0].most_blocks));
+    EXPECT_LT(double(after_lap[2].most_blocks), 1.002 * double(after_lap[1].most_blocks));
+    EXPECT_EQ(after_lap[2].most_candidates, after_lap[0].most_candidates);
+    // The end of the first lap was still held then; beyond that the second one finds nothing new.
+    EXPECT_LT(double(mapper.cloud().points().size()), 1.12 * double(points_after_lap[0]));
+    EXPECT_LT(double(after_lap[1].most_blocks * Block::voxels) / 40, double(points_after_lap[0]));
+}
+
+TEST(CloudMapModuleTest, maps_a_sweep_when_the_pose_after_it_has_come_and_says_how_many_had_none) {
+    CloudMapModule module;
+    module.start({});
+    class Nobody : public Publisher {
+        void publish(const mrpt::obs::CObservation::Ptr&) override {}
+        void publish(const mrpt::obs::CObservation::Ptr&, std::uint64_t) override {}
+    } nobody;
+    lidar::RangeImageGeometry geometry;
+    geometry.columns = 360;
+    geometry.first_azimuth_rad = M_PI;
+    geometry.azimuth_span_rad = -6.2;
+    geometry.sweep_s = 0.1;
+    geometry.range_unit_m = 0.01;
+    geometry.elevations_deg = {1, 0, -1, -2};
+    const auto take = [&](StampNs t, bool with_pose) {
+        auto sweep = lidar::rotating_scan(geometry, "TEST", std::vector<std::uint16_t>(4 * 360, 1000));
+        sweep->timestamp = stamp_to_mrpt(t);
+        module.process({0, t, sweep, false}, nobody);
+        if (!with_pose) return;
+        auto pose = mrpt::obs::CObservationRobotPose::Create();
+        pose->timestamp = sweep->timestamp;
+        pose->sensorLabel = "lidar_mapping";
+        module.process({0, t, pose, true}, nobody);
+    };
+    take(start_ns, true);
+    take(start_ns + 100'000'000, true);
+    take(start_ns + 60'000'000'000, false);  // long after the last pose
+    Results results;
+    module.finish(results);
+    EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("cloud_sweeps")), 2);
+    EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("cloud_sweeps_without_pose")), 1);
+    EXPECT_GT(module.cloud()->points().size(), 300u);
+    EXPECT_EQ(module.cloud()->first_ns, start_ns);
+}
