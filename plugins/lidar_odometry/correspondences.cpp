@@ -1,0 +1,99 @@
+#include "lidar_odometry/correspondences.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdlib>
+
+#include "lidar_odometry/triangle.h"
+
+namespace loopline::lidar_odometry {
+namespace {
+
+/// Lines are used so much of their length beyond the two points.
+constexpr double beyond = 1;
+constexpr double least_length_m = 0.05;
+
+void undistort(const std::vector<Feature>& features, const Twist3& velocity, std::vector<Feature>& seen,
+               KdTree& tree) {
+    seen = features;
+    std::vector<Eigen::Vector3f> points_m;
+    for (Feature& feature : seen) {
+        const Pose3 T_middle_then = exp_se3(velocity * static_cast<double>(feature.time_s));
+        feature.p_base_m = (T_middle_then * Eigen::Vector3d(feature.p_base_m.cast<double>())).cast<float>();
+        feature.along_base = (T_middle_then.rotation * feature.along_base.cast<double>()).cast<float>();
+        points_m.push_back(feature.p_base_m);
+    }
+    tree.build(points_m);
+}
+
+bool on_neighbouring_rings(std::uint16_t ring, std::uint16_t other, int gap) {
+    return ring != other && std::abs(int{ring} - int{other}) <= gap;
+}
+
+}  // namespace
+
+void ReferenceSweep::set(const SweepFeatures& features, const Twist3& velocity) {
+    undistort(features.edges, velocity, edges, edge_tree);
+    undistort(features.planar, velocity, planar, planar_tree);
+}
+
+std::optional<LineOfEdges> find_line(const ReferenceSweep& before, const Eigen::Vector3d& p_before_m,
+                                     const CorrespondenceSettings& settings) {
+    const auto max_m = static_cast<float>(settings.max_distance_m);
+    const Eigen::Vector3f p_m = p_before_m.cast<float>();
+    LineOfEdges line;
+    line.nearest = before.edge_tree.nearest(p_m, max_m);
+    if (line.nearest == KdTree::none) return std::nullopt;
+    const Feature& a = before.edges[line.nearest];
+    line.other = before.edge_tree.nearest(p_m, max_m, [&](std::uint32_t i) {
+        return on_neighbouring_rings(a.ring, before.edges[i].ring, settings.max_ring_gap);
+    });
+    if (line.other == KdTree::none) return std::nullopt;
+    const Feature& b = before.edges[line.other];
+    line.point_m = a.p_base_m.cast<double>();
+    const Eigen::Vector3d way_m = b.p_base_m.cast<double>() - line.point_m;
+    const double length_m = way_m.norm();
+    if (length_m < least_length_m) return std::nullopt;
+    line.direction = way_m / length_m;
+    const double part = line.direction.dot(p_before_m - line.point_m) / length_m;
+    if (part < -beyond || part > 1 + beyond) return std::nullopt;
+    line.variance_m2 = (1 - part) * (1 - part) * static_cast<double>(a.variance_m2) +
+                       part * part * static_cast<double>(b.variance_m2);
+    return line;
+}
+
+std::optional<PlaneOfPoints> find_plane(const ReferenceSweep& before, const Eigen::Vector3d& p_before_m,
+                                        const Eigen::Vector3d& along_before,
+                                        const CorrespondenceSettings& settings) {
+    const auto max_m = static_cast<float>(settings.max_distance_m);
+    const Eigen::Vector3f p_m = p_before_m.cast<float>();
+    const auto& points = before.planar;
+    PlaneOfPoints plane;
+    plane.nearest = before.planar_tree.nearest(p_m, max_m);
+    if (plane.nearest == KdTree::none) return std::nullopt;
+    const std::uint16_t ring = points[plane.nearest].ring;
+    plane.same_ring = before.planar_tree.nearest(
+        p_m, max_m, [&](std::uint32_t i) { return points[i].ring == ring && i != plane.nearest; });
+    if (plane.same_ring == KdTree::none) return std::nullopt;
+    plane.other_ring = before.planar_tree.nearest(p_m, max_m, [&](std::uint32_t i) {
+        return on_neighbouring_rings(ring, points[i].ring, settings.max_ring_gap);
+    });
+    if (plane.other_ring == KdTree::none) return std::nullopt;
+    const Triangle triangle(points[plane.nearest], points[plane.same_ring], points[plane.other_ring]);
+    if (!triangle.is_plane(along_before, std::sin(settings.max_tilt_rad)) || !triangle.covers(p_before_m))
+        return std::nullopt;
+    // On a ring at the other side: a plane that leads over a step is none.
+    const bool lower = points[plane.other_ring].ring > ring;
+    const std::uint32_t witness = before.planar_tree.nearest(p_m, max_m, [&](std::uint32_t i) {
+        return on_neighbouring_rings(ring, points[i].ring, settings.max_ring_gap) && (points[i].ring < ring) == lower;
+    });
+    if (witness != KdTree::none && !triangle.agrees_with(points[witness], settings.sigma_bend_per_m))
+        return std::nullopt;
+    plane.normal = triangle.normal();
+    plane.point_m = triangle.corner_m();
+    plane.variance_m2 = triangle.variance_m2(p_before_m, settings.sigma_bend_per_m);
+    plane.turned_by = triangle.turned_by();
+    return plane;
+}
+
+}  // namespace loopline::lidar_odometry

@@ -1,0 +1,110 @@
+#include "lidar_odometry/sweep_odometry.h"
+
+#include <cmath>
+
+#include "inertial/rotation_vector.h"
+
+namespace loopline::lidar_odometry {
+namespace {
+
+Matrix6d squares(double sigma_shift, double sigma_turn) {
+    Vector6d sigma;
+    sigma << Eigen::Vector3d::Constant(sigma_shift), Eigen::Vector3d::Constant(sigma_turn);
+    return sigma.cwiseAbs2().asDiagonal();
+}
+
+/// Of (shift, turn) on both sides.
+Matrix6d rotated(const Eigen::Quaterniond& q, const Matrix6d& covariance) {
+    Matrix6d R = Matrix6d::Zero();
+    R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = q.toRotationMatrix();
+    return R * covariance * R.transpose();
+}
+
+/// What a (shift, turn) about a place is about another one, `way_m` from it.
+Matrix6d about(const Eigen::Vector3d& way_m) {
+    Matrix6d F = Matrix6d::Identity();
+    F.topRightCorner<3, 3>() = -inertial::cross_matrix(way_m);
+    return F;
+}
+
+}  // namespace
+
+/// The velocity goes on, but for noise.
+ExpectedMotion SweepOdometry::expected(double duration_s) const {
+    const double s2 = duration_s * duration_s;
+    ExpectedMotion motion;
+    motion.duration_s = duration_s;
+    motion.T_before_now = exp_se3(step_.velocity * duration_s);
+    motion.covariance = s2 * velocity_covariance_ + squares(settings_.sigma_acceleration_mps2 * s2,
+                                                            settings_.sigma_turn_radps2 * s2);
+    return motion;
+}
+
+ExpectedMotion SweepOdometry::first_expected(const Twist3& velocity, double duration_s) const {
+    ExpectedMotion motion;
+    motion.duration_s = duration_s;
+    motion.T_before_now = exp_se3(velocity * duration_s);
+    motion.covariance = squares(settings_.sigma_first_speed_mps * duration_s,
+                                settings_.sigma_first_turn_radps * duration_s);
+    return motion;
+}
+
+/// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward, each with
+/// the first sweep as it was seen at that speed.
+MatchedMotion SweepOdometry::match_first(double duration_s) {
+    const auto match_from = [&](const Twist3& velocity) {
+        reference_.set(before_, velocity);
+        return match_sweeps(reference_, now_, first_expected(velocity, duration_s), settings_.matching, workers_);
+    };
+    MatchedMotion best = match_from({});
+    double speed_mps = 0;
+    for (int worse = 0; worse < 2 && speed_mps < settings_.first_speed_max_mps;) {
+        speed_mps += settings_.first_speed_step_mps;
+        const MatchedMotion found = match_from({{speed_mps, 0, 0}, {0, 0, 0}});
+        const bool better = found.support > 1.05 * best.support;
+        worse = better ? 0 : worse + 1;
+        if (better) best = found;
+    }
+    const Twist3 velocity = log_se3(best.T_before_now) * (1 / duration_s);
+    // The map's origin is where the vehicle was at the stamp of the first sweep.
+    T_map_middle_ = exp_se3(velocity * middle_s_);
+    return match_from(velocity);
+}
+
+bool SweepOdometry::add(const lidar::SpinningScan& scan) {
+    const double middle_s = (scan.begin_s + scan.end_s) / 2;
+    const StampNs middle_ns = scan.stamp_ns + std::llround(1e9 * middle_s);
+    const double duration_s = seconds_between(middle_ns_, middle_ns);
+    if (sweeps_ > 0 && !(duration_s > 0)) return false;
+    finder_.find(scan, settings_.features, now_);
+    middle_s_ = sweeps_ == 0 ? middle_s : middle_s_;
+    if (sweeps_ == 1) {
+        follow(match_first(duration_s), duration_s);
+    } else if (sweeps_ > 1) {
+        reference_.set(before_, step_.velocity);
+        follow(match_sweeps(reference_, now_, expected(duration_s), settings_.matching, workers_), duration_s);
+    }
+    ++sweeps_;
+    middle_ns_ = middle_ns;
+    middle_s_ = middle_s;
+    std::swap(before_, now_);
+    step_.T_map_base = T_map_middle_ * exp_se3(step_.velocity * -middle_s);
+    return true;
+}
+
+void SweepOdometry::follow(const MatchedMotion& motion, double duration_s) {
+    const Pose3 T_map_before = T_map_middle_;
+    T_map_middle_ = T_map_before * motion.T_before_now;
+    step_.motion = motion;
+    step_.velocity = log_se3(motion.T_before_now) * (1 / duration_s);
+
+    const Matrix6d F = about(motion.T_before_now.translation_m);
+    const Matrix6d at_vehicle = F * motion.covariance * F.transpose();
+    velocity_covariance_ =
+        rotated(motion.T_before_now.rotation.conjugate(), at_vehicle) / (duration_s * duration_s);
+    step_.motion_covariance = rotated(T_map_before.rotation, at_vehicle);
+    const Matrix6d carry = about(T_map_middle_.translation_m - T_map_before.translation_m);
+    step_.covariance = carry * step_.covariance * carry.transpose() + step_.motion_covariance;
+}
+
+}  // namespace loopline::lidar_odometry
