@@ -6,7 +6,7 @@
 
 namespace loopline::lidar_mapping {
 
-const Registration& SweepMapping::add(const lidar::SpinningScan& scan) {
+const Registration& SweepMapping::add(const lidar::SpinningScan& scan, const GivenMotion* given) {
     sampler_.sample(scan, settings_.sampling, settings_.map_voxel_m, points_);
     sampler_.thin_out(points_, settings_.match_voxel_m, matched_);
     const StampNs middle_ns = scan.stamp_ns + std::llround(1e9 * (scan.begin_s + scan.end_s) / 2);
@@ -14,6 +14,8 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan) {
     const Eigen::Vector3d before_m = last_.state.T_map_base.translation_m;
     if (sweeps_ == 0)
         begin();
+    else if (given != nullptr && duration_s > 0)
+        follow(duration_s, *given);
     else if (sweeps_ == 1)
         follow_first(duration_s);
     else
@@ -71,6 +73,19 @@ void SweepMapping::follow_first(double duration_s) {
     last_ = try_from(velocity_of(best));
     first_.clear();
     first_.shrink_to_fit();
+}
+
+/// As another odometry has it. It also tells the velocity of the first sweep.
+void SweepMapping::follow(double duration_s, const GivenMotion& given) {
+    if (sweeps_ == 1) {
+        last_.state.velocity = given.velocity;
+        map_.clear();
+        add_to_map(first_, last_.state);
+        first_.clear();
+        first_.shrink_to_fit();
+    }
+    last_ = register_sweep(map_, matched_, predict(last_.state, given, duration_s, settings_.motion),
+                           settings_.registration, workers_);
 }
 
 void SweepMapping::add_to_map(const std::vector<SweepPoint>& points, const MotionState& state) {

@@ -1,8 +1,10 @@
 /// A spinning lidar's path and local map, sweep after sweep.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "lidar_mapping/given_motion.h"
 #include "lidar_mapping/registration.h"
 
 namespace loopline::lidar_mapping {
@@ -23,7 +25,13 @@ class SweepMapping {
     SweepMapping(const SweepMappingSettings& settings, int threads)
         : settings_(settings), map_(settings.map), workers_(threads) {}
 
-    const Registration& add(const lidar::SpinningScan& scan);
+    /// `given`: the motion since the latest sweep by another odometry, if there is one.
+    const Registration& add(const lidar::SpinningScan& scan, const GivenMotion* given = nullptr);
+    const Registration& latest() const { return last_; }
+    /// Of the latest sweep; none before the first.
+    std::optional<StampNs> latest_middle_ns() const {
+        return sweeps_ > 0 ? std::optional(last_ns_) : std::nullopt;
+    }
     /// Of (shift, turn) of the latest pose in the map of the first sweep, map axes, about the vehicle: the map
     /// is renewed along the way, so each sweep's error adds to those before.
     const Matrix6d& covariance() const { return covariance_; }
@@ -34,6 +42,7 @@ class SweepMapping {
     friend void fields(Archive&, SweepMapping&);
     void begin();
     void follow_first(double duration_s);
+    void follow(double duration_s, const GivenMotion& given);
     void carry_covariance(const Eigen::Vector3d& way_m);
     void add_to_map(const std::vector<SweepPoint>& points, const MotionState& state);
     void forget();

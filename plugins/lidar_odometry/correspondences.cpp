@@ -30,6 +30,20 @@ bool on_neighbouring_rings(std::uint16_t ring, std::uint16_t other, int gap) {
     return ring != other && std::abs(int{ring} - int{other}) <= gap;
 }
 
+/// A plane that leads over a step is none: the ring at the other side must agree.
+bool holds_beyond(const ReferenceSweep& before, const PlaneOfPoints& plane, const Triangle& triangle,
+                  const CorrespondenceSettings& settings) {
+    const auto& points = before.planar;
+    const Feature &corner = points[plane.nearest], &other = points[plane.other_ring];
+    const float apart_m = (other.p_base_m - corner.p_base_m).norm();
+    const int ring = 2 * int{corner.ring} - int{other.ring};
+    const std::uint32_t fourth =
+        before.planar_tree.nearest(corner.p_base_m, static_cast<float>(settings.max_distance_m) + apart_m,
+                                   [&](std::uint32_t i) { return int{points[i].ring} == ring; });
+    if (fourth == KdTree::none) return static_cast<double>(apart_m) < settings.alone_m;
+    return triangle.agrees_with(points[fourth], settings.sigma_bend_per_m);
+}
+
 }  // namespace
 
 void ReferenceSweep::set(const SweepFeatures& features, const Twist3& velocity) {
@@ -76,19 +90,13 @@ std::optional<PlaneOfPoints> find_plane(const ReferenceSweep& before, const Eige
         p_m, max_m, [&](std::uint32_t i) { return points[i].ring == ring && i != plane.nearest; });
     if (plane.same_ring == KdTree::none) return std::nullopt;
     plane.other_ring = before.planar_tree.nearest(p_m, max_m, [&](std::uint32_t i) {
-        return on_neighbouring_rings(ring, points[i].ring, settings.max_ring_gap);
+        return on_neighbouring_rings(ring, points[i].ring, 1);
     });
     if (plane.other_ring == KdTree::none) return std::nullopt;
     const Triangle triangle(points[plane.nearest], points[plane.same_ring], points[plane.other_ring]);
     if (!triangle.is_plane(along_before, std::sin(settings.max_tilt_rad)) || !triangle.covers(p_before_m))
         return std::nullopt;
-    // On a ring at the other side: a plane that leads over a step is none.
-    const bool lower = points[plane.other_ring].ring > ring;
-    const std::uint32_t witness = before.planar_tree.nearest(p_m, max_m, [&](std::uint32_t i) {
-        return on_neighbouring_rings(ring, points[i].ring, settings.max_ring_gap) && (points[i].ring < ring) == lower;
-    });
-    if (witness != KdTree::none && !triangle.agrees_with(points[witness], settings.sigma_bend_per_m))
-        return std::nullopt;
+    if (!holds_beyond(before, plane, triangle, settings)) return std::nullopt;
     plane.normal = triangle.normal();
     plane.point_m = triangle.corner_m();
     plane.variance_m2 = triangle.variance_m2(p_before_m, settings.sigma_bend_per_m);

@@ -23,7 +23,8 @@ struct ReferenceSweep {
 
 struct CorrespondenceSettings {
     double max_distance_m = 3;  ///< to each of the points that make a line or a plane
-    int max_ring_gap = 2;       ///< how far rings may be apart: a beam may have lost its return
+    int max_ring_gap = 2;       ///< between the two points of a line: not every ring has its edge point
+    double alone_m = 1;  ///< a plane whose rings are farther apart needs a fourth point that agrees
     double max_tilt_rad = 0.26;  ///< between a plane and the rings that lie in it
     double sigma_bend_per_m = 0.002;  ///< curvature of surfaces that count as planes
 };

@@ -14,7 +14,7 @@ namespace loopline::lidar_odometry {
 
 struct MatchingSettings {
     CorrespondenceSettings correspondences;
-    double loss_scale = 2;  ///< residual in standard deviations from which on it counts less (Cauchy)
+    double loss_scale = 1;  ///< residual in standard deviations from which on it counts less (Cauchy)
     int rounds = 8;         ///< of correspondences
     int steps = 4;          ///< of Levenberg-Marquardt in each
     double enough_m = 5e-4, enough_rad = 2e-5;

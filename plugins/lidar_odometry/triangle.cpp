@@ -9,7 +9,7 @@ namespace {
 constexpr double least_side_m = 0.05;
 constexpr double least_sine = 0.1;   ///< of the angle between two sides
 constexpr double around = 1;         ///< of its size, that it is used beyond its borders
-constexpr double agrees_sigmas = 3;  ///< of a fourth point
+constexpr double agrees_sigmas = 2;  ///< of a fourth point
 
 }  // namespace
 
