@@ -9,8 +9,8 @@
 
 namespace loopline {
 
-/// `covariance` is of (shift, turn about x, y, z) along the axes of the map, about the vehicle; MRPT's is of (x y z yaw
-/// pitch roll), and has no meaning where the vehicle stands upright on its nose.
+/// `covariance` is of (shift, turn about x, y, z) along the axes of the map, about the vehicle; MRPT's is of
+/// (x y z yaw pitch roll), and has no meaning where the vehicle stands upright on its nose.
 mrpt::obs::CObservationRobotPose::Ptr pose_observation(const std::string& label,
                                                        const mrpt::Clock::time_point& timestamp,
                                                        const Pose3& T_map_base, const Matrix6d& covariance);

@@ -29,7 +29,8 @@ MotionState predict(const MotionState& state, const GivenMotion& given, double d
     if (given.planar) {
         T_last_now = exp_se3(with_planar(state.velocity * duration_s, log_se3(given.T_last_now)));
         for (const Eigen::Index k : {2, 3, 4})
-            motion(k, k) = (accelerations[k] * duration_s * duration_s) * (accelerations[k] * duration_s * duration_s);
+            motion(k, k) =
+                (accelerations[k] * duration_s * duration_s) * (accelerations[k] * duration_s * duration_s);
     }
     next.T_map_base = state.T_map_base * T_last_now;
 

@@ -1,4 +1,5 @@
-/// The motion between two sweeps by another odometry, in the place of the constant velocity: LOAM's two levels.
+/// The motion between two sweeps by another odometry, in the place of the constant velocity: LOAM's two
+/// levels.
 #pragma once
 
 #include "lidar_mapping/motion_state.h"
@@ -13,8 +14,8 @@ struct GivenMotion {
     bool planar = false;  ///< wheels tell shift x, y and turn z only
 };
 
-/// As predict(): the state in the middle of the next sweep, before that is matched. What wheels do not tell goes on
-/// as before.
+/// As predict(): the state in the middle of the next sweep, before that is matched. What wheels do not tell
+/// goes on as before.
 MotionState predict(const MotionState& state, const GivenMotion& given, double duration_s,
                     const MotionNoise& noise);
 

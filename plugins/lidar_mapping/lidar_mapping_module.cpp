@@ -23,14 +23,16 @@ bool is_pose(const mrpt::obs::CObservation& observation) {
 }  // namespace
 
 ModuleInfo LidarMappingModule::info() const {
-    ModuleInfo info{"lidar_mapping",
-                    "Odometry and local map of a spinning lidar: each sweep is matched with the planes and edges "
-                    "of those before.",
-                    {},
-                    {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"},
-                    {"CObservationRobotPose"}};
+    ModuleInfo info{
+        "lidar_mapping",
+        "Odometry and local map of a spinning lidar: each sweep is matched with the planes and edges "
+        "of those before.",
+        {},
+        {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"},
+        {"CObservationRobotPose"}};
     if (!odometry_settings_.label.empty())
-        for (const char* pose : {"CObservationRobotPose", "CObservationOdometry"}) info.uses.emplace_back(pose);
+        for (const char* pose : {"CObservationRobotPose", "CObservationOdometry"})
+            info.uses.emplace_back(pose);
     return info;
 }
 
@@ -56,10 +58,12 @@ ParameterTable LidarMappingModule::parameters() {
               "How quickly the vehicle's speed changes.")
         .real("sigma_turn_radps2", s.motion.sigma_turn_radps2, {0.01, 100}, "And its rates of turn.")
         .text("odometry", odometry_settings_.label,
-              "Label of the odometry that predicts each sweep's pose, such as lidar_odometry; empty: the velocity "
+              "Label of the odometry that predicts each sweep's pose, such as lidar_odometry; empty: the "
+              "velocity "
               "goes on as it was.")
         .integer("every_sweeps", every_sweeps_, {1, 1000},
-                 "One of so many sweeps is matched with the map and added to it; between, the odometry counts alone.")
+                 "One of so many sweeps is matched with the map and added to it; between, the odometry "
+                 "counts alone.")
         .real("odometry_sigma_m", odometry_settings_.sigma_m, {1e-4, 100},
               "Standard deviation of the odometry's way between two sweeps, beside what it says itself.")
         .angle("odometry_sigma_deg", odometry_settings_.sigma_rad, {1e-3, 180}, "And of the turn.")

@@ -47,7 +47,8 @@ ScrewSegment PublishedOdometry::segment(std::size_t first) const {
     return {a.stamp_ns, a.T_odom_base, b.stamp_ns, b.T_odom_base};
 }
 
-/// What covariance the way between two poses adds, along the vehicle's axes at the first: odometry's errors add up.
+/// What covariance the way between two poses adds, along the vehicle's axes at the first: odometry's errors
+/// add up.
 Matrix6d PublishedOdometry::growth(const Sample& from, const Sample& to) const {
     Matrix6d F = Matrix6d::Identity(), R = Matrix6d::Zero();
     F.topRightCorner<3, 3>() =

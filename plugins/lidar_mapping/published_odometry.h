@@ -16,8 +16,8 @@ namespace loopline::lidar_mapping {
 
 struct PublishedOdometrySettings {
     std::string label;  ///< empty: there is none
-    /// Of the motion between two sweeps, beside what its covariance says, if it has one: errors that neighbouring
-    /// motions share, and that a lidar odometry has seen the same sweep.
+    /// Of the motion between two sweeps, beside what its covariance says, if it has one: errors that
+    /// neighbouring motions share, and that a lidar odometry has seen the same sweep.
     double sigma_m = 0.03, sigma_rad = 0.005;
 };
 
@@ -41,7 +41,8 @@ class PublishedOdometry {
     struct Sample {
         StampNs stamp_ns = 0;
         Pose3 T_odom_base;
-        Matrix6d covariance = Matrix6d::Zero();  ///< of (shift, turn) along the axes of odom, about the vehicle
+        Matrix6d covariance =
+            Matrix6d::Zero();  ///< of (shift, turn) along the axes of odom, about the vehicle
     };
     /// The first of the two poses that the motion at a time is told by.
     std::size_t before(StampNs stamp_ns) const;

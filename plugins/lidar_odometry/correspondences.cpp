@@ -20,6 +20,7 @@ void undistort(const std::vector<Feature>& features, const Twist3& velocity, std
     for (Feature& feature : seen) {
         const Pose3 T_middle_then = exp_se3(velocity * static_cast<double>(feature.time_s));
         feature.p_base_m = (T_middle_then * Eigen::Vector3d(feature.p_base_m.cast<double>())).cast<float>();
+        feature.beam_base = (T_middle_then.rotation * feature.beam_base.cast<double>()).cast<float>();
         feature.along_base = (T_middle_then.rotation * feature.along_base.cast<double>()).cast<float>();
         points_m.push_back(feature.p_base_m);
     }
@@ -89,9 +90,8 @@ std::optional<PlaneOfPoints> find_plane(const ReferenceSweep& before, const Eige
     plane.same_ring = before.planar_tree.nearest(
         p_m, max_m, [&](std::uint32_t i) { return points[i].ring == ring && i != plane.nearest; });
     if (plane.same_ring == KdTree::none) return std::nullopt;
-    plane.other_ring = before.planar_tree.nearest(p_m, max_m, [&](std::uint32_t i) {
-        return on_neighbouring_rings(ring, points[i].ring, 1);
-    });
+    plane.other_ring = before.planar_tree.nearest(
+        p_m, max_m, [&](std::uint32_t i) { return on_neighbouring_rings(ring, points[i].ring, 1); });
     if (plane.other_ring == KdTree::none) return std::nullopt;
     const Triangle triangle(points[plane.nearest], points[plane.same_ring], points[plane.other_ring]);
     if (!triangle.is_plane(along_before, std::sin(settings.max_tilt_rad)) || !triangle.covers(p_before_m))

@@ -1,5 +1,5 @@
-/// Edge point to line, planar point to plane: which points of the sweep before a point of this one belongs to.
-/// Yu et al. 2022, section 1.2 and fig. 3; Zhang and Singh 2014, section V.B.
+/// Edge point to line, planar point to plane: which points of the sweep before a point of this one belongs
+/// to. Yu et al. 2022, section 1.2 and fig. 3; Zhang and Singh 2014, section V.B.
 #pragma once
 
 #include <array>
@@ -22,9 +22,9 @@ struct ReferenceSweep {
 };
 
 struct CorrespondenceSettings {
-    double max_distance_m = 3;  ///< to each of the points that make a line or a plane
-    int max_ring_gap = 2;       ///< between the two points of a line: not every ring has its edge point
-    double alone_m = 1;  ///< a plane whose rings are farther apart needs a fourth point that agrees
+    double max_distance_m = 3;   ///< to each of the points that make a line or a plane
+    int max_ring_gap = 2;        ///< between the two points of a line: not every ring has its edge point
+    double alone_m = 1;          ///< a plane whose rings are farther apart needs a fourth point that agrees
     double max_tilt_rad = 0.26;  ///< between a plane and the rings that lie in it
     double sigma_bend_per_m = 0.002;  ///< curvature of surfaces that count as planes
 };

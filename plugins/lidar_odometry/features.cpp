@@ -113,7 +113,8 @@ void FeatureFinder::find_curvature() {
     window_sums(ring_.z_m, sum_z);
     const float *x = ring_.x_m.data(), *y = ring_.y_m.data(), *z = ring_.z_m.data();
     for (std::size_t i = half; i + half < n; ++i) {
-        const float dx = (neighbour_count + 1) * x[i] - sum_x[i], dy = (neighbour_count + 1) * y[i] - sum_y[i],
+        const float dx = (neighbour_count + 1) * x[i] - sum_x[i],
+                    dy = (neighbour_count + 1) * y[i] - sum_y[i],
                     dz = (neighbour_count + 1) * z[i] - sum_z[i];
         c[i] = std::sqrt(dx * dx + dy * dy + dz * dz) / (neighbour_count * ring_.range_m[i]);
         const float wx = x[i + half] - x[i - half], wy = y[i + half] - y[i - half],
@@ -170,8 +171,9 @@ Feature FeatureFinder::feature_at(const Eigen::Vector3f& p_lidar_m, float time_s
     return feature;
 }
 
-/// A surface that ends does so anywhere between its last beam and the next: half a step farther on the mean. Without
-/// that half, edges seen at a grazing angle would come nearer as the vehicle does, and motion would seem too short.
+/// A surface that ends does so anywhere between its last beam and the next: half a step farther on the mean.
+/// Without that half, edges seen at a grazing angle would come nearer as the vehicle does, and motion would
+/// seem too short.
 Feature FeatureFinder::edge_at(std::size_t i, std::uint16_t ring, const FeatureSettings& settings) const {
     const bool ends = ring_.open[i] != 0, begins = ring_.open[i - 1] != 0;
     const std::size_t inner = ends ? i - 2 : i + 2;
@@ -182,8 +184,8 @@ Feature FeatureFinder::edge_at(std::size_t i, std::uint16_t ring, const FeatureS
     Feature edge = feature_at(p + step_m / 2, ring_.time_s[i], ring);
     const float across_m = beam_step_rad_ * ring_.range_m[i],
                 between_m2 = std::max(step_m.squaredNorm(), across_m * across_m);
-    edge.variance_m2 =
-        static_cast<float>(settings.sigma_range_m * settings.sigma_range_m) + between_m2 / (ends == begins ? 3 : 12);
+    edge.variance_m2 = static_cast<float>(settings.sigma_range_m * settings.sigma_range_m) +
+                       between_m2 / (ends == begins ? 3 : 12);
     return edge;
 }
 
@@ -268,8 +270,9 @@ std::optional<Feature> FeatureFinder::mean_of(const Group& group, std::uint16_t 
     if (across2 > crooked_sigmas * crooked_sigmas * sigma2 * count) return std::nullopt;
     Feature feature = feature_at(first_m + mean, time_s / count, ring);
     feature.along_base = R_base_lidar_ * along;
-    feature.variance_m2 =
-        sigma2 / count + static_cast<float>(settings.sigma_surface_m * settings.sigma_surface_m);
+    feature.beam_base = R_base_lidar_ * (first_m + mean).normalized();
+    feature.variance_m2 = sigma2 / count;
+    feature.roughness_m2 = static_cast<float>(settings.sigma_surface_m * settings.sigma_surface_m);
     return feature;
 }
 

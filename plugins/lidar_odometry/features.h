@@ -16,11 +16,20 @@ struct Feature {
     Eigen::Vector3f p_base_m;
     /// Of a planar point: unit vector along its ring, which lies in the surface; zero of an edge point.
     Eigen::Vector3f along_base = Eigen::Vector3f::Zero();
-    float time_s = 0;          ///< after the middle of the sweep
-    float variance_m2 = 0;     ///< of a planar point across its surface, of an edge point across its edge
-    std::uint16_t ring = 0;    ///< from the highest beam, 0, to the lowest
-    std::uint8_t matched = 0;  ///< 1: one of those that are matched with the sweep before; all are matched with
+    Eigen::Vector3f beam_base = Eigen::Vector3f::Zero();  ///< of a planar point: unit vector of its beam
+    float time_s = 0;                                     ///< after the middle of the sweep
+    /// Of an edge point across its edge; of a planar point along its beam, and what is added across its surface.
+    float variance_m2 = 0, roughness_m2 = 0;
+    std::uint16_t ring = 0;  ///< from the highest beam, 0, to the lowest
+    std::uint8_t matched =
+        0;  ///< 1: one of those that are matched with the sweep before; all are matched with
 };
+
+/// Of a planar point along a normal: noise of ranges counts as far as it leads off the surface.
+inline double variance_along(const Feature& planar, const Eigen::Vector3d& normal) {
+    const double sine = normal.dot(planar.beam_base.cast<double>());
+    return sine * sine * static_cast<double>(planar.variance_m2) + static_cast<double>(planar.roughness_m2);
+}
 
 struct SweepFeatures {
     std::vector<Feature> edges, planar;
@@ -49,10 +58,10 @@ class FeatureFinder {
     /// Returns of one ring within the range gate, in the order of their times.
     struct Ring {
         std::vector<float> x_m, y_m, z_m, time_s, range_m;
-        std::vector<float> curvature;       ///< c of eq. (1)
-        std::vector<float> width_m;         ///< from the first of a neighbourhood to its last
-        std::vector<std::uint8_t> open;     ///< 1: a surface ends between this return and the next
-        std::vector<std::uint8_t> unfit;    ///< 1: no edge point, 2: no planar point, 3: neither
+        std::vector<float> curvature;     ///< c of eq. (1)
+        std::vector<float> width_m;       ///< from the first of a neighbourhood to its last
+        std::vector<std::uint8_t> open;   ///< 1: a surface ends between this return and the next
+        std::vector<std::uint8_t> unfit;  ///< 1: no edge point, 2: no planar point, 3: neither
         std::size_t size() const { return x_m.size(); }
         Eigen::Vector3f point(std::size_t i) const { return {x_m[i], y_m[i], z_m[i]}; }
         void clear();

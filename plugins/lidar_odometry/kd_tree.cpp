@@ -32,7 +32,8 @@ void KdTree::build(std::uint32_t begin, std::uint32_t end) {
     const std::uint32_t middle = begin + (end - begin) / 2;
     std::nth_element(entries_.begin() + begin, entries_.begin() + middle, entries_.begin() + end,
                      [axis](const Entry& a, const Entry& b) {
-                         return a.p_m[axis] < b.p_m[axis] || (a.p_m[axis] == b.p_m[axis] && a.index < b.index);
+                         return a.p_m[axis] < b.p_m[axis] ||
+                                (a.p_m[axis] == b.p_m[axis] && a.index < b.index);
                      });
     nodes_[place].axis = static_cast<std::int8_t>(axis);
     nodes_[place].split_m = entries_[middle].p_m[axis];

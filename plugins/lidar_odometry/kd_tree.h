@@ -30,8 +30,8 @@ class KdTree {
 
  private:
     struct Node {
-        float split_m = 0;  ///< left: not above, right: not below
-        std::uint32_t right = 0;  ///< the left child follows its parent
+        float split_m = 0;                 ///< left: not above, right: not below
+        std::uint32_t right = 0;           ///< the left child follows its parent
         std::uint32_t begin = 0, end = 0;  ///< of a leaf
         std::int8_t axis = -1;             ///< -1: a leaf
     };

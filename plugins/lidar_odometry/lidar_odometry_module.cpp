@@ -34,8 +34,10 @@ ParameterTable LidarOdometryModule::parameters() {
     auto& f = settings_.features;
     auto& m = settings_.matching;
     ParameterTable table("lidar_odometry", info().sentence);
-    table.text("sensor_label", sensor_label_,
-               "Lidar whose sweeps are used; empty for the one that comes first in the log, others are ignored.")
+    table
+        .text(
+            "sensor_label", sensor_label_,
+            "Lidar whose sweeps are used; empty for the one that comes first in the log, others are ignored.")
         .real("min_range_m", f.min_range_m, {0, 100}, "Nearer returns are of the vehicle itself.")
         .real("max_range_m", f.max_range_m, {1, 1000}, "Farther returns are left out.")
         .integer("sectors", f.sectors, {1, 64}, "Equal parts of a ring, each with its own features.")

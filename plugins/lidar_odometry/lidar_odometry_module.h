@@ -12,9 +12,9 @@
 
 namespace loopline {
 
-/// For every sweep it publishes the pose since the first sweep with its covariance, and from the second on the
-/// motion since the sweep before: both as CObservationRobotPose, the latter labelled `motion_label`, with the
-/// sensor's frame at the sweep before as its map.
+/// For every sweep it publishes the pose since the first sweep with its covariance, and from the second on
+/// the motion since the sweep before: both as CObservationRobotPose, the latter labelled `motion_label`, with
+/// the sensor's frame at the sweep before as its map.
 class LidarOdometryModule : public Module {
     DEFINE_MRPT_OBJECT(LidarOdometryModule, loopline)
  public:
@@ -55,7 +55,8 @@ class LidarOdometryModule : public Module {
     Pose3 T_map_last_;  ///< at the latest stamp
 
     std::int64_t unusable_ = 0, backwards_ = 0, other_sensors_ = 0, degenerate_ = 0, unconverged_ = 0;
-    std::array<std::int64_t, 6> free_{};  ///< sweeps that leave x, y, z, roll, pitch, yaw free before all others
+    std::array<std::int64_t, 6>
+        free_{};  ///< sweeps that leave x, y, z, roll, pitch, yaw free before all others
     std::int64_t lines_ = 0, planes_ = 0;
     double weakest_sigma_m_ = 0;
 

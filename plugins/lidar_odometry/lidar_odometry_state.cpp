@@ -18,14 +18,14 @@ namespace lidar_odometry {
 
 template <class Archive>
 void fields(Archive& archive, Feature& f) {
-    archive(f.p_base_m, f.along_base, f.time_s, f.variance_m2, f.ring, f.matched);
+    archive(f.p_base_m, f.along_base, f.beam_base, f.time_s, f.variance_m2, f.roughness_m2, f.ring, f.matched);
 }
 
 template <class Archive>
 void fields(Archive& archive, SweepOdometry& odometry) {
-    archive(odometry.before_.edges, odometry.before_.planar, odometry.step_.T_map_base, odometry.step_.velocity,
-            odometry.step_.covariance, odometry.T_map_middle_, odometry.velocity_covariance_, odometry.sweeps_,
-            odometry.middle_ns_, odometry.middle_s_);
+    archive(odometry.before_.edges, odometry.before_.planar, odometry.step_.T_map_base,
+            odometry.step_.velocity, odometry.step_.covariance, odometry.T_map_middle_,
+            odometry.velocity_covariance_, odometry.sweeps_, odometry.middle_ns_, odometry.middle_s_);
 }
 
 }  // namespace lidar_odometry

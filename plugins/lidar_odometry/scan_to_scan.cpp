@@ -89,7 +89,6 @@ void Matcher::associate(const Pose3& T_before_now) {
             Pair& pair = pairs_[i];
             pair.p_base_m = feature.p_base_m.cast<double>();
             pair.time_s = static_cast<double>(feature.time_s);
-            const auto variance_m2 = static_cast<double>(feature.variance_m2);
             const Pose3 T = motion.at(pair.time_s);
             const Eigen::Vector3d p_before_m = T * pair.p_base_m;
             if (edge) {
@@ -97,14 +96,15 @@ void Matcher::associate(const Pose3& T_before_now) {
                 if (!line) continue;
                 pair.residual = to_line(*line);
                 pair.residuals = 2;
-                pair.per_variance = 1 / (variance_m2 + line->variance_m2);
+                pair.per_variance = 1 / (static_cast<double>(feature.variance_m2) + line->variance_m2);
             } else {
                 const Eigen::Vector3d along = T.rotation * feature.along_base.cast<double>();
                 const auto plane = find_plane(before_, p_before_m, along, settings_.correspondences);
                 if (!plane) continue;
                 pair.residual[0] = to_plane(*plane);
                 pair.residuals = 1;
-                pair.per_variance = 1 / (variance_m2 + plane->variance_m2);
+                const Eigen::Vector3d normal_base = T.rotation.conjugate() * plane->normal;
+                pair.per_variance = 1 / (variance_along(feature, normal_base) + plane->variance_m2);
                 pair.turned_by = plane->turned_by;
             }
         }
@@ -176,8 +176,8 @@ HeldDirections Matcher::held(const Pose3& T_before_now, const Matrix6d& H) const
     return {H - by_chance, range_m_, settings_.sigma_degenerate_m};
 }
 
-/// Levenberg-Marquardt with the correspondences as they are. Free directions stay as expected. Returns how far
-/// it went, relative to what is enough.
+/// Levenberg-Marquardt with the correspondences as they are. Free directions stay as expected. Returns how
+/// far it went, relative to what is enough.
 double Matcher::descend(Pose3& T_before_now) {
     const Pose3 start = T_before_now;
     double damping = 1e-6;
@@ -191,7 +191,8 @@ double Matcher::descend(Pose3& T_before_now) {
         const Vector6d step = H.ldlt().solve(P.transpose() * sums.g + prior_ * off);
         if (!step.allFinite()) break;
         const Pose3 next = moved(T_before_now, step);
-        const bool last = step.head<3>().norm() < settings_.enough_m && step.tail<3>().norm() < settings_.enough_rad;
+        const bool last =
+            step.head<3>().norm() < settings_.enough_m && step.tail<3>().norm() < settings_.enough_rad;
         if (directions.all() && cost(next) > sums.cost) {
             if (last) break;
             damping = std::max(1e-4, 10 * damping);

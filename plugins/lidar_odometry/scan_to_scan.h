@@ -18,8 +18,8 @@ struct MatchingSettings {
     int rounds = 8;         ///< of correspondences
     int steps = 4;          ///< of Levenberg-Marquardt in each
     double enough_m = 5e-4, enough_rad = 2e-5;
-    /// A direction that the scene holds no better than this is free; a turn counts by what it moves at the mean
-    /// range.
+    /// A direction that the scene holds no better than this is free; a turn counts by what it moves at the
+    /// mean range.
     double sigma_degenerate_m = 0.1;
 };
 
@@ -33,7 +33,7 @@ struct ExpectedMotion {
 /// Directions of motion of which the two sweeps say nothing.
 struct FreeDirections {
     int count = 0;
-    double weakest_sigma_m = 0;  ///< along the direction held least, by the sweeps alone
+    double weakest_sigma_m = 0;           ///< along the direction held least, by the sweeps alone
     Vector6d weakest = Vector6d::Zero();  ///< that direction: unit (shift, turn) in the frame of before
     /// The same with a turn as what it moves at the mean range.
     Vector6d weakest_moves_m = Vector6d::Zero();
@@ -50,8 +50,8 @@ struct MatchedMotion {
     bool converged = false;
 };
 
-/// A residual e = normal . (p - point) of a point of this sweep, seen from before: along the normal of a plane, or
-/// along one of two directions across a line.
+/// A residual e = normal . (p - point) of a point of this sweep, seen from before: along the normal of a
+/// plane, or along one of two directions across a line.
 struct Residual {
     Eigen::Vector3d normal, point_m;  ///< in the frame of before
     double of(const Eigen::Vector3d& p_before_m) const { return normal.dot(p_before_m - point_m); }

@@ -35,8 +35,8 @@ ExpectedMotion SweepOdometry::expected(double duration_s) const {
     ExpectedMotion motion;
     motion.duration_s = duration_s;
     motion.T_before_now = exp_se3(step_.velocity * duration_s);
-    motion.covariance = s2 * velocity_covariance_ + squares(settings_.sigma_acceleration_mps2 * s2,
-                                                            settings_.sigma_turn_radps2 * s2);
+    motion.covariance = s2 * velocity_covariance_ +
+                        squares(settings_.sigma_acceleration_mps2 * s2, settings_.sigma_turn_radps2 * s2);
     return motion;
 }
 
@@ -44,26 +44,24 @@ ExpectedMotion SweepOdometry::first_expected(const Twist3& velocity, double dura
     ExpectedMotion motion;
     motion.duration_s = duration_s;
     motion.T_before_now = exp_se3(velocity * duration_s);
-    motion.covariance = squares(settings_.sigma_first_speed_mps * duration_s,
-                                settings_.sigma_first_turn_radps * duration_s);
+    motion.covariance =
+        squares(settings_.sigma_first_speed_mps * duration_s, settings_.sigma_first_turn_radps * duration_s);
     return motion;
 }
 
-/// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward, each with
-/// the first sweep as it was seen at that speed.
+/// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward, each
+/// with the first sweep as it was seen at that speed.
 MatchedMotion SweepOdometry::match_first(double duration_s) {
     const auto match_from = [&](const Twist3& velocity) {
         reference_.set(before_, velocity);
-        return match_sweeps(reference_, now_, first_expected(velocity, duration_s), settings_.matching, workers_);
+        return match_sweeps(reference_, now_, first_expected(velocity, duration_s), settings_.matching,
+                            workers_);
     };
     MatchedMotion best = match_from({});
-    double speed_mps = 0;
-    for (int worse = 0; worse < 2 && speed_mps < settings_.first_speed_max_mps;) {
-        speed_mps += settings_.first_speed_step_mps;
+    for (double speed_mps = settings_.first_speed_min_mps; speed_mps <= settings_.first_speed_max_mps;
+         speed_mps += settings_.first_speed_step_mps) {
         const MatchedMotion found = match_from({{speed_mps, 0, 0}, {0, 0, 0}});
-        const bool better = found.support > 1.05 * best.support;
-        worse = better ? 0 : worse + 1;
-        if (better) best = found;
+        if (found.support > best.support) best = found;
     }
     const Twist3 velocity = log_se3(best.T_before_now) * (1 / duration_s);
     // The map's origin is where the vehicle was at the stamp of the first sweep.
@@ -82,7 +80,8 @@ bool SweepOdometry::add(const lidar::SpinningScan& scan) {
         follow(match_first(duration_s), duration_s);
     } else if (sweeps_ > 1) {
         reference_.set(before_, step_.velocity);
-        follow(match_sweeps(reference_, now_, expected(duration_s), settings_.matching, workers_), duration_s);
+        follow(match_sweeps(reference_, now_, expected(duration_s), settings_.matching, workers_),
+               duration_s);
     }
     ++sweeps_;
     middle_ns_ = middle_ns;

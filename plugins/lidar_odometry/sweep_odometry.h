@@ -11,7 +11,7 @@ struct SweepOdometrySettings {
     /// How quickly the vehicle's speed and its rates of turn change.
     double sigma_acceleration_mps2 = 3, sigma_turn_radps2 = 1.5;
     /// For the first motion: speeds that are tried, and what is unknown about each.
-    double first_speed_step_mps = 2, first_speed_max_mps = 36;
+    double first_speed_step_mps = 2, first_speed_min_mps = -6, first_speed_max_mps = 36;
     double sigma_first_speed_mps = 1, sigma_first_turn_radps = 0.3;
 };
 
@@ -20,8 +20,9 @@ struct OdometryStep {
     MatchedMotion motion;  ///< since the sweep before; nothing in it after the first sweep
     Pose3 T_map_base;      ///< at the sweep's stamp
     Twist3 velocity;       ///< a second, along the vehicle's axes
-    /// Of (shift, turn) along the map's axes, about the vehicle: of the motion since the sweep before, and of the
-    /// way since the first one. Motions count as independent, though each sweep has a part in two of them.
+    /// Of (shift, turn) along the map's axes, about the vehicle: of the motion since the sweep before, and of
+    /// the way since the first one. Motions count as independent, though each sweep has a part in two of
+    /// them.
     Matrix6d motion_covariance = Matrix6d::Zero(), covariance = Matrix6d::Zero();
 };
 

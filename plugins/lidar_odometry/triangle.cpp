@@ -51,7 +51,7 @@ double Triangle::variance_m2(const Eigen::Vector3d& p_m, double sigma_bend_per_m
     const auto part = parts(p_m);
     double sum_m2 = 0;
     for (std::size_t k = 0; k < 3; ++k)
-        sum_m2 += part[k] * part[k] * static_cast<double>(points_[k]->variance_m2);
+        sum_m2 += part[k] * part[k] * variance_along(*points_[k], normal_);
     // A chord of a curve is off by curvature / 2 times the distances from its ends.
     const double bend_m = sigma_bend_per_m / 2 * part[2] * (1 - part[2]) * side_b_m_.squaredNorm();
     return sum_m2 + bend_m * bend_m;
@@ -61,13 +61,13 @@ bool Triangle::agrees_with(const Feature& fourth, double sigma_bend_per_m) const
     const Eigen::Vector3d p_m = fourth.p_base_m.cast<double>();
     const double off_m = normal_.dot(p_m - corner_m_);
     return off_m * off_m < agrees_sigmas * agrees_sigmas *
-                               (variance_m2(p_m, sigma_bend_per_m) + static_cast<double>(fourth.variance_m2));
+                               (variance_m2(p_m, sigma_bend_per_m) + variance_along(fourth, normal_));
 }
 
 std::array<Eigen::Vector3d, 3> Triangle::turned_by() const {
     std::array<Eigen::Vector3d, 3> turned;
     for (std::size_t k = 0; k < 3; ++k)
-        turned[k] = std::sqrt(static_cast<double>(points_[k]->variance_m2)) * slopes_[k];
+        turned[k] = std::sqrt(variance_along(*points_[k], normal_)) * slopes_[k];
     return turned;
 }
 

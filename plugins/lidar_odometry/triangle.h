@@ -12,7 +12,8 @@ class Triangle {
  public:
     Triangle(const Feature& corner, const Feature& same_ring, const Feature& other_ring);
 
-    /// Whether it is one, and no rings lie across it: those of its points, and that of the point that is drawn onto it.
+    /// Whether it is one, and no rings lie across it: those of its points, and that of the point that is
+    /// drawn onto it.
     bool is_plane(const Eigen::Vector3d& along_before, double max_sine) const;
     /// Whether the foot of a point is in it or close by.
     bool covers(const Eigen::Vector3d& p_m) const;
