@@ -18,7 +18,8 @@ struct Feature {
     Eigen::Vector3f along_base = Eigen::Vector3f::Zero();
     Eigen::Vector3f beam_base = Eigen::Vector3f::Zero();  ///< of a planar point: unit vector of its beam
     float time_s = 0;                                     ///< after the middle of the sweep
-    /// Of an edge point across its edge; of a planar point along its beam, and what is added across its surface.
+    /// Of an edge point across its edge; of a planar point along its beam, and what is added across its
+    /// surface.
     float variance_m2 = 0, roughness_m2 = 0;
     std::uint16_t ring = 0;  ///< from the highest beam, 0, to the lowest
     std::uint8_t matched =

@@ -18,7 +18,8 @@ namespace lidar_odometry {
 
 template <class Archive>
 void fields(Archive& archive, Feature& f) {
-    archive(f.p_base_m, f.along_base, f.beam_base, f.time_s, f.variance_m2, f.roughness_m2, f.ring, f.matched);
+    archive(f.p_base_m, f.along_base, f.beam_base, f.time_s, f.variance_m2, f.roughness_m2, f.ring,
+            f.matched);
 }
 
 template <class Archive>

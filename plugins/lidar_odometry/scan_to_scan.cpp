@@ -47,9 +47,8 @@ class Matcher {
 
     void associate(const Pose3& T_before_now);
     Sums linearise(const Pose3& T_before_now) const;
-    double cost(const Pose3& T_before_now) const;
     double prior_cost(const Pose3& T_before_now) const;
-    /// By Cauchy: half of what it costs, and its weight.
+    /// Cauchy's: what a squared residual costs, and its weight.
     double loss(double e2) const;
     double weight(double e2) const { return 1 / (1 + e2 / (settings_.loss_scale * settings_.loss_scale)); }
     HeldDirections held(const Pose3& T_before_now, const Matrix6d& H) const;
@@ -135,13 +134,6 @@ double squared(const Pair& pair, const Eigen::Vector3d& p_before_m) {
     return e2 * pair.per_variance;
 }
 
-double Matcher::cost(const Pose3& T_before_now) const {
-    const ConstantTwist motion(T_before_now, expected_.duration_s);
-    double sum = prior_cost(T_before_now);
-    for (const Pair& pair : pairs_) sum += loss(squared(pair, motion.at(pair.time_s) * pair.p_base_m));
-    return sum;
-}
-
 Matcher::Sums Matcher::linearise(const Pose3& T_before_now) const {
     const ConstantTwist motion(T_before_now, expected_.duration_s);
     Sums sums;
@@ -183,25 +175,25 @@ double Matcher::descend(Pose3& T_before_now) {
     double damping = 1e-6;
     Sums sums = linearise(T_before_now);
     const HeldDirections directions = held(T_before_now, sums.H);
+    const Matrix6d P = directions.projection();
     for (int i = 0; i < settings_.steps; ++i) {
-        const Matrix6d P = directions.projection();
         const Vector6d off = vector_of(log_se3(expected_.T_before_now * T_before_now.inverse()));
         Matrix6d H = P.transpose() * sums.H * P + prior_;
         H.diagonal() *= 1 + damping;
         const Vector6d step = H.ldlt().solve(P.transpose() * sums.g + prior_ * off);
         if (!step.allFinite()) break;
         const Pose3 next = moved(T_before_now, step);
-        const bool last =
-            step.head<3>().norm() < settings_.enough_m && step.tail<3>().norm() < settings_.enough_rad;
-        if (directions.all() && cost(next) > sums.cost) {
-            if (last) break;
+        const bool last = i + 1 == settings_.steps || (step.head<3>().norm() < settings_.enough_m &&
+                                                       step.tail<3>().norm() < settings_.enough_rad);
+        const Sums at_next = last ? Sums() : linearise(next);
+        if (!last && directions.all() && at_next.cost > sums.cost) {
             damping = std::max(1e-4, 10 * damping);
             continue;
         }
         T_before_now = next;
         if (last) break;
         damping /= 10;
-        if (i + 1 < settings_.steps) sums = linearise(T_before_now);
+        sums = at_next;
     }
     const Twist3 way = log_se3(T_before_now * start.inverse());
     return std::max(way.shift_m.norm() / settings_.enough_m, way.turn_rad.norm() / settings_.enough_rad);

@@ -27,6 +27,16 @@ Matrix6d about(const Eigen::Vector3d& way_m) {
     return F;
 }
 
+/// With one of so many of the points that are matched.
+SweepFeatures one_of(SweepFeatures features, std::size_t every) {
+    for (auto* list : {&features.edges, &features.planar}) {
+        std::size_t count = 0;
+        for (Feature& feature : *list)
+            if (feature.matched != 0 && count++ % every != 0) feature.matched = 0;
+    }
+    return features;
+}
+
 }  // namespace
 
 /// The velocity goes on, but for noise.
@@ -52,21 +62,26 @@ ExpectedMotion SweepOdometry::first_expected(const Twist3& velocity, double dura
 /// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward, each
 /// with the first sweep as it was seen at that speed.
 MatchedMotion SweepOdometry::match_first(double duration_s) {
-    const auto match_from = [&](const Twist3& velocity) {
+    MatchingSettings quick = settings_.matching;
+    quick.rounds = 4;
+    const SweepFeatures few = one_of(now_, 6);
+    const auto match_from = [&](const SweepFeatures& now, const Twist3& velocity,
+                                const MatchingSettings& settings) {
         reference_.set(before_, velocity);
-        return match_sweeps(reference_, now_, first_expected(velocity, duration_s), settings_.matching,
-                            workers_);
+        return match_sweeps(reference_, now, first_expected(velocity, duration_s), settings, workers_);
     };
-    MatchedMotion best = match_from({});
+    MatchedMotion best = match_from(few, {}, quick);
     for (double speed_mps = settings_.first_speed_min_mps; speed_mps <= settings_.first_speed_max_mps;
          speed_mps += settings_.first_speed_step_mps) {
-        const MatchedMotion found = match_from({{speed_mps, 0, 0}, {0, 0, 0}});
+        const MatchedMotion found = match_from(few, {{speed_mps, 0, 0}, {0, 0, 0}}, quick);
         if (found.support > best.support) best = found;
     }
-    const Twist3 velocity = log_se3(best.T_before_now) * (1 / duration_s);
+    const Twist3 nearly = log_se3(best.T_before_now) * (1 / duration_s);
+    const Twist3 velocity =
+        log_se3(match_from(now_, nearly, settings_.matching).T_before_now) * (1 / duration_s);
     // The map's origin is where the vehicle was at the stamp of the first sweep.
     T_map_middle_ = exp_se3(velocity * middle_s_);
-    return match_from(velocity);
+    return match_from(now_, velocity, settings_.matching);
 }
 
 bool SweepOdometry::add(const lidar::SpinningScan& scan) {

@@ -11,7 +11,7 @@ struct SweepOdometrySettings {
     /// How quickly the vehicle's speed and its rates of turn change.
     double sigma_acceleration_mps2 = 3, sigma_turn_radps2 = 1.5;
     /// For the first motion: speeds that are tried, and what is unknown about each.
-    double first_speed_step_mps = 2, first_speed_min_mps = -6, first_speed_max_mps = 36;
+    double first_speed_step_mps = 3, first_speed_min_mps = -6, first_speed_max_mps = 36;
     double sigma_first_speed_mps = 1, sigma_first_turn_radps = 0.3;
 };
 

@@ -50,8 +50,7 @@ bool Triangle::covers(const Eigen::Vector3d& p_m) const {
 double Triangle::variance_m2(const Eigen::Vector3d& p_m, double sigma_bend_per_m) const {
     const auto part = parts(p_m);
     double sum_m2 = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-        sum_m2 += part[k] * part[k] * variance_along(*points_[k], normal_);
+    for (std::size_t k = 0; k < 3; ++k) sum_m2 += part[k] * part[k] * variance_along(*points_[k], normal_);
     // A chord of a curve is off by curvature / 2 times the distances from its ends.
     const double bend_m = sigma_bend_per_m / 2 * part[2] * (1 - part[2]) * side_b_m_.squaredNorm();
     return sum_m2 + bend_m * bend_m;
