@@ -110,10 +110,17 @@ void SweepOdometry::follow(const MatchedMotion& motion, double duration_s) {
     const Pose3 T_map_before = T_map_middle_;
     T_map_middle_ = T_map_before * motion.T_before_now;
     step_.motion = motion;
-    step_.velocity = log_se3(motion.T_before_now) * (1 / duration_s);
+    const Twist3 before = step_.velocity * duration_s, now = log_se3(motion.T_before_now);
+    step_.velocity = now * (1 / duration_s);
 
     const Matrix6d F = about(motion.T_before_now.translation_m);
-    const Matrix6d at_vehicle = F * motion.covariance * F.transpose();
+    Matrix6d at_vehicle = F * motion.covariance * F.transpose();
+    if (sweeps_ > 1) {
+        // Where the velocity changes evenly by `change`, motion at a constant one is off by change / 8 midway.
+        Vector6d change;
+        change << now.shift_m - before.shift_m, now.turn_rad - before.turn_rad;
+        at_vehicle.diagonal() += (change / 8).cwiseAbs2();
+    }
     velocity_covariance_ =
         rotated(motion.T_before_now.rotation.conjugate(), at_vehicle) / (duration_s * duration_s);
     step_.motion_covariance = rotated(T_map_before.rotation, at_vehicle);
