@@ -37,19 +37,19 @@ std::size_t lines_of(const std::string& path) {
 
 TEST(LidarOdometryRuns, alone_and_in_front_of_a_map_that_is_matched_with_every_third_sweep) {
     const TemporaryFolder folder;
-    const auto alone =
-        metrics_of(folder, street_log(), "modules = lidar_odometry\ntrajectory = lidar_odometry\n", "alone");
+    const auto alone = metrics_of(folder, short_street_log(),
+                                  "modules = lidar_odometry\ntrajectory = lidar_odometry\n", "alone");
     ASSERT_FALSE(alone.is_null());
-    EXPECT_LT(alone.at("ate_rmse_m").get<double>(), 0.1);
+    EXPECT_LT(alone.at("ate_rmse_m").get<double>(), 0.06);
     EXPECT_EQ(alone.at("lidar_odometry_degenerate").get<int>(), 0);
     EXPECT_GT(alone.at("lidar_odometry_planes_mean").get<double>(), 100);
 
-    const auto both = metrics_of(folder, street_log(),
+    const auto both = metrics_of(folder, short_street_log(),
                                  "modules = lidar_odometry lidar_mapping\ntrajectory = lidar_mapping\n"
                                  "[lidar_mapping]\nodometry = lidar_odometry\nevery_sweeps = 3\n",
                                  "both");
     ASSERT_FALSE(both.is_null());
-    EXPECT_LT(both.at("ate_rmse_m").get<double>(), 0.03);
+    EXPECT_LT(both.at("ate_rmse_m").get<double>(), 0.06);
     // Each sweep has its pose, also those between.
     EXPECT_EQ(lines_of((folder / "both/trajectory.tum").string()),
               lines_of((folder / "alone/trajectory.tum").string()));
