@@ -184,8 +184,9 @@ Feature FeatureFinder::edge_at(std::size_t i, std::uint16_t ring, const FeatureS
     Feature edge = feature_at(p + step_m / 2, ring_.time_s[i], ring);
     const float across_m = beam_step_rad_ * ring_.range_m[i],
                 between_m2 = std::max(step_m.squaredNorm(), across_m * across_m);
-    edge.variance_m2 = static_cast<float>(settings.sigma_range_m * settings.sigma_range_m) +
-                       between_m2 / (ends == begins ? 3 : 12);
+    const double sigma2_m2 =
+        settings.sigma_range_m * settings.sigma_range_m + settings.sigma_edge_m * settings.sigma_edge_m;
+    edge.variance_m2 = static_cast<float>(sigma2_m2) + between_m2 / (ends == begins ? 3 : 12);
     return edge;
 }
 

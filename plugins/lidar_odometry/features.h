@@ -45,6 +45,7 @@ struct FeatureSettings {
     double planar_spacing_m = 0.3;  ///< along a ring; a planar point is the mean of what it stands for
     double sigma_range_m = 0.02;
     double sigma_surface_m = 0.005;  ///< roughness and errors of beams, which no mean takes away
+    double sigma_edge_m = 0.05;      ///< beams are wide, and edges seldom sharp
 };
 
 /// Keeps its memory from sweep to sweep.

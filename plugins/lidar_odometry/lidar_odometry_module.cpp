@@ -55,6 +55,8 @@ ParameterTable LidarOdometryModule::parameters() {
         .real("sigma_range_m", f.sigma_range_m, {1e-3, 1}, "Standard deviation of a range.")
         .real("sigma_surface_m", f.sigma_surface_m, {0, 1},
               "Roughness of surfaces and errors of beams, which no mean takes away.")
+        .real("sigma_edge_m", f.sigma_edge_m, {0, 1},
+              "How far beams that are wide and edges that are not sharp put an edge point off its edge.")
         .real("sigma_bend_per_m", m.correspondences.sigma_bend_per_m, {0, 1},
               "Curvature of surfaces that count as planes.")
         .real("loss_scale", m.loss_scale, {0.1, 100},

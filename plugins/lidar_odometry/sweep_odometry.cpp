@@ -116,7 +116,8 @@ void SweepOdometry::follow(const MatchedMotion& motion, double duration_s) {
     const Matrix6d F = about(motion.T_before_now.translation_m);
     Matrix6d at_vehicle = F * motion.covariance * F.transpose();
     if (sweeps_ > 1) {
-        // Where the velocity changes evenly by `change`, motion at a constant one is off by change / 8 midway.
+        // Where the velocity changes evenly by `change`, motion at a constant one is off by change / 8
+        // midway.
         Vector6d change;
         change << now.shift_m - before.shift_m, now.turn_rad - before.turn_rad;
         at_vehicle.diagonal() += (change / 8).cwiseAbs2();
