@@ -26,7 +26,8 @@ template <class Archive>
 void fields(Archive& archive, SweepOdometry& odometry) {
     archive(odometry.before_.edges, odometry.before_.planar, odometry.step_.T_map_base,
             odometry.step_.velocity, odometry.step_.covariance, odometry.T_map_middle_,
-            odometry.velocity_covariance_, odometry.sweeps_, odometry.middle_ns_, odometry.middle_s_);
+            odometry.velocity_covariance_, odometry.way_velocity_, odometry.sweeps_, odometry.middle_ns_,
+            odometry.middle_s_);
 }
 
 }  // namespace lidar_odometry

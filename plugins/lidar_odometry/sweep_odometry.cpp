@@ -1,5 +1,6 @@
 #include "lidar_odometry/sweep_odometry.h"
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "inertial/rotation_vector.h"
@@ -13,11 +14,11 @@ Matrix6d squares(double sigma_shift, double sigma_turn) {
     return sigma.cwiseAbs2().asDiagonal();
 }
 
-/// Of (shift, turn) on both sides.
-Matrix6d rotated(const Eigen::Quaterniond& q, const Matrix6d& covariance) {
+/// Of both shift and turn.
+Matrix6d rotation_of(const Eigen::Quaterniond& q) {
     Matrix6d R = Matrix6d::Zero();
     R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = q.toRotationMatrix();
-    return R * covariance * R.transpose();
+    return R;
 }
 
 /// What a (shift, turn) about a place is about another one, `way_m` from it.
@@ -92,11 +93,12 @@ bool SweepOdometry::add(const lidar::SpinningScan& scan) {
     finder_.find(scan, settings_.features, now_);
     middle_s_ = sweeps_ == 0 ? middle_s : middle_s_;
     if (sweeps_ == 1) {
-        follow(match_first(duration_s), duration_s);
+        const MatchedMotion motion = match_first(duration_s);
+        follow(motion, first_expected({}, duration_s));
     } else if (sweeps_ > 1) {
         reference_.set(before_, step_.velocity);
-        follow(match_sweeps(reference_, now_, expected(duration_s), settings_.matching, workers_),
-               duration_s);
+        const ExpectedMotion motion = expected(duration_s);
+        follow(match_sweeps(reference_, now_, motion, settings_.matching, workers_), motion);
     }
     ++sweeps_;
     middle_ns_ = middle_ns;
@@ -106,27 +108,39 @@ bool SweepOdometry::add(const lidar::SpinningScan& scan) {
     return true;
 }
 
-void SweepOdometry::follow(const MatchedMotion& motion, double duration_s) {
+void SweepOdometry::follow(const MatchedMotion& motion, const ExpectedMotion& expected) {
     const Pose3 T_map_before = T_map_middle_;
     T_map_middle_ = T_map_before * motion.T_before_now;
     step_.motion = motion;
-    const Twist3 before = step_.velocity * duration_s, now = log_se3(motion.T_before_now);
-    step_.velocity = now * (1 / duration_s);
+    const Twist3 before = step_.velocity * expected.duration_s, now = log_se3(motion.T_before_now);
+    step_.velocity = now * (1 / expected.duration_s);
 
-    const Matrix6d F = about(motion.T_before_now.translation_m);
-    Matrix6d at_vehicle = F * motion.covariance * F.transpose();
+    // From (shift, turn) in front of T_before_now to those along the map's axes, about the vehicle.
+    const Matrix6d to_map = rotation_of(T_map_before.rotation) * about(motion.T_before_now.translation_m);
+    Matrix6d covariance = motion.covariance;
     if (sweeps_ > 1) {
         // Where the velocity changes evenly by `change`, motion at a constant one is off by change / 8
         // midway.
         Vector6d change;
         change << now.shift_m - before.shift_m, now.turn_rad - before.turn_rad;
-        at_vehicle.diagonal() += (change / 8).cwiseAbs2();
+        covariance.diagonal() += (change / 8).cwiseAbs2();
     }
-    velocity_covariance_ =
-        rotated(motion.T_before_now.rotation.conjugate(), at_vehicle) / (duration_s * duration_s);
-    step_.motion_covariance = rotated(T_map_before.rotation, at_vehicle);
-    const Matrix6d carry = about(T_map_middle_.translation_m - T_map_before.translation_m);
-    step_.covariance = carry * step_.covariance * carry.transpose() + step_.motion_covariance;
+    const Matrix6d kept = motion.covariance * expected.covariance.inverse();
+    carry_covariance(to_map * covariance * to_map.transpose(), to_map * kept * to_map.inverse(),
+                     T_map_middle_.translation_m - T_map_before.translation_m, expected.duration_s);
+}
+
+/// Of the way and the velocity together. `kept`: what part of the expected motion's error is left in the
+/// motion, along each direction: nothing in one that the scene holds, all in one that it leaves free.
+void SweepOdometry::carry_covariance(const Matrix6d& motion, const Matrix6d& kept,
+                                     const Eigen::Vector3d& way_m, double duration_s) {
+    const Matrix6d carry = about(way_m);
+    const Matrix6d way_motion = carry * way_velocity_ * (duration_s * kept).transpose();
+    step_.motion_covariance = motion;
+    step_.covariance =
+        carry * step_.covariance * carry.transpose() + way_motion + way_motion.transpose() + motion;
+    way_velocity_ = (way_motion + motion) / duration_s;
+    velocity_covariance_ = motion / (duration_s * duration_s);
 }
 
 }  // namespace loopline::lidar_odometry

@@ -41,7 +41,9 @@ class SweepOdometry {
     ExpectedMotion expected(double duration_s) const;
     ExpectedMotion first_expected(const Twist3& velocity, double duration_s) const;
     MatchedMotion match_first(double duration_s);
-    void follow(const MatchedMotion& motion, double duration_s);
+    void follow(const MatchedMotion& motion, const ExpectedMotion& expected);
+    void carry_covariance(const Matrix6d& motion, const Matrix6d& kept, const Eigen::Vector3d& way_m,
+                          double duration_s);
 
     SweepOdometrySettings settings_;
     WorkerPool workers_;
@@ -52,8 +54,9 @@ class SweepOdometry {
     SweepFeatures before_;  ///< of the latest sweep
     OdometryStep step_;
     Pose3 T_map_middle_;  ///< in the middle of the latest sweep
-    /// Of the velocity, a second, along the vehicle's axes.
-    Matrix6d velocity_covariance_ = Matrix6d::Zero();
+    /// Of the velocity, a second, along the map's axes; and of the way with it: where the scene leaves a
+    /// direction free, an error of the velocity stays, and adds up.
+    Matrix6d velocity_covariance_ = Matrix6d::Zero(), way_velocity_ = Matrix6d::Zero();
     std::uint64_t sweeps_ = 0;
     StampNs middle_ns_ = 0;
     double middle_s_ = 0;  ///< after the stamp
