@@ -18,7 +18,7 @@ struct PublishedOdometrySettings {
     std::string label;  ///< empty: there is none
     /// Of the motion between two sweeps, beside what its covariance says, if it has one: errors that
     /// neighbouring motions share, and that a lidar odometry has seen the same sweep.
-    double sigma_m = 0.03, sigma_rad = 0.005;
+    double sigma_m = 0.03, sigma_rad = 0.3 * 3.14159265358979323846 / 180;
 };
 
 class PublishedOdometry {

@@ -451,4 +451,62 @@ TEST(PublishedOdometry, tells_the_motion_between_two_times_and_its_covariance) {
     EXPECT_LT((given->covariance - step).norm(), 0.01 * step.norm());
 }
 
+/// A pose with an error and a motion with one, put together.
+TEST(GivenMotion, prediction_has_the_covariance_of_samples) {
+    using namespace lidar_mapping;
+    std::mt19937_64 random(12);
+    std::normal_distribution<double> normal;
+    MotionState state = first_state({});
+    state.T_map_base = {{10, 5, 1}, inertial::exp_so3({0.05, -0.1, 1.2})};
+    Vector6d sigma, sigma_given;
+    sigma << 0.1, 0.2, 0.1, 0.01, 0.02, 0.03;
+    sigma_given << 0.05, 0.02, 0.03, 0.01, 0.004, 0.02;
+    state.covariance.topLeftCorner<6, 6>() = sigma.cwiseAbs2().asDiagonal();
+    GivenMotion given;
+    given.T_last_now = exp_se3({{2, 0.1, 0}, {0, 0.05, 0.2}});
+    given.covariance = sigma_given.cwiseAbs2().asDiagonal();
+    given.velocity = {{20, 0, 0}, {0, 0, 2}};
+    const MotionState predicted = predict(state, given, 0.1, {});
+    EXPECT_LT(off_by(predicted.T_map_base, state.T_map_base * given.T_last_now).norm(), 1e-12);
+    EXPECT_EQ(predicted.velocity.shift_m, given.velocity.shift_m);
+    Matrix6d sum = Matrix6d::Zero();
+    constexpr int samples = 20000;
+    for (int k = 0; k < samples; ++k) {
+        Vector6d e, g;
+        for (int i = 0; i < 6; ++i) {
+            e[i] = sigma[i] * normal(random);
+            g[i] = sigma_given[i] * normal(random);
+        }
+        const auto put = [](const Pose3& T, const Vector6d& x) {
+            return Pose3(T.translation_m + x.head<3>(), inertial::exp_so3(x.tail<3>()) * T.rotation);
+        };
+        const Pose3 T = put(state.T_map_base, e) * put(given.T_last_now, g);
+        Vector6d off;
+        off << T.translation_m - predicted.T_map_base.translation_m,
+            inertial::log_so3(T.rotation * predicted.T_map_base.rotation.conjugate());
+        sum += off * off.transpose() / samples;
+    }
+    const Matrix6d covariance = predicted.covariance.topLeftCorner<6, 6>();
+    EXPECT_LT((sum - covariance).norm(), 0.05 * covariance.norm());
+}
+
+/// What wheels do not tell goes on as it was.
+TEST(GivenMotion, of_wheels_changes_shift_and_heading_only) {
+    using namespace lidar_mapping;
+    MotionState state = first_state({});
+    state.velocity = {{8, 0, 0.5}, {0.1, -0.2, 0}};
+    GivenMotion given;
+    given.planar = true;
+    given.T_last_now = exp_se3({{0.6, 0.02, 0}, {0, 0, 0.05}});
+    given.velocity = {{6, 0.2, 0}, {0, 0, 0.5}};
+    given.covariance = 1e-4 * Matrix6d::Identity();
+    const MotionState predicted = predict(state, given, 0.1, {3, 1.5, 1, 0.3});
+    const Twist3 moved = log_se3(predicted.T_map_base);
+    EXPECT_LT((moved.shift_m - Eigen::Vector3d(0.6, 0.02, 0.05)).norm(), 1e-9);
+    EXPECT_LT((moved.turn_rad - Eigen::Vector3d(0.01, -0.02, 0.05)).norm(), 1e-9);
+    EXPECT_EQ(predicted.velocity.shift_m, Eigen::Vector3d(6, 0.2, 0.5));
+    const Matrix6d covariance = predicted.covariance.topLeftCorner<6, 6>();
+    EXPECT_NEAR(covariance(2, 2) - covariance(1, 1), 0.03 * 0.03 - 1e-4, 1e-4);
+}
+
 }  // namespace
