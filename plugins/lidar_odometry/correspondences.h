@@ -16,9 +16,13 @@ namespace loopline::lidar_odometry {
 struct ReferenceSweep {
     std::vector<Feature> edges, planar;
     KdTree edge_tree, planar_tree;
+    std::vector<KdTree> planar_of_ring;
 
     /// Takes out the motion at `velocity` (a second) during the sweep.
     void set(const SweepFeatures& features, const Twist3& velocity);
+
+ private:
+    std::vector<Eigen::Vector3f> points_m_;
 };
 
 struct CorrespondenceSettings {

@@ -32,6 +32,7 @@ inline double variance_along(const Feature& planar, const Eigen::Vector3d& norma
     return sine * sine * static_cast<double>(planar.variance_m2) + static_cast<double>(planar.roughness_m2);
 }
 
+/// Ring after ring, from the highest.
 struct SweepFeatures {
     std::vector<Feature> edges, planar;
 };

@@ -4,16 +4,16 @@
 
 namespace loopline::lidar_odometry {
 
-void KdTree::build(const std::vector<Eigen::Vector3f>& points_m) {
+void KdTree::build(const std::vector<Eigen::Vector3f>& points_m, std::size_t begin, std::size_t end) {
     entries_.clear();
     nodes_.clear();
-    for (std::size_t i = 0; i < points_m.size(); ++i)
+    for (std::size_t i = begin; i < end; ++i)
         entries_.push_back({points_m[i], static_cast<std::uint32_t>(i)});
-    if (!entries_.empty()) build(0, static_cast<std::uint32_t>(entries_.size()));
+    if (!entries_.empty()) split(0, static_cast<std::uint32_t>(entries_.size()));
 }
 
 /// Halves the points along the axis on which they lie farthest apart.
-void KdTree::build(std::uint32_t begin, std::uint32_t end) {
+void KdTree::split(std::uint32_t begin, std::uint32_t end) {
     constexpr std::uint32_t most_in_leaf = 10;
     const std::size_t place = nodes_.size();
     nodes_.emplace_back();
@@ -37,9 +37,9 @@ void KdTree::build(std::uint32_t begin, std::uint32_t end) {
                      });
     nodes_[place].axis = static_cast<std::int8_t>(axis);
     nodes_[place].split_m = entries_[middle].p_m[axis];
-    build(begin, middle);
+    split(begin, middle);
     nodes_[place].right = static_cast<std::uint32_t>(nodes_.size());
-    build(middle, end);
+    split(middle, end);
 }
 
 }  // namespace loopline::lidar_odometry

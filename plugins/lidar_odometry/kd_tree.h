@@ -1,5 +1,5 @@
-/// A k-d tree of points in space that is built once a sweep: the exact nearest point, also among those of
-/// chosen rings. Bentley 1975, "Multidimensional binary search trees used for associative searching".
+/// A k-d tree of points in space that is built once a sweep: the exact nearest point, also among chosen
+/// ones. Bentley 1975, "Multidimensional binary search trees used for associative searching".
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,9 @@ class KdTree {
  public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    /// Keeps its memory from one set of points to the next.
-    void build(const std::vector<Eigen::Vector3f>& points_m);
+    /// Of the points from index `begin` up to `end`. Keeps its memory from one set of points to the next.
+    void build(const std::vector<Eigen::Vector3f>& points_m, std::size_t begin, std::size_t end);
+    void build(const std::vector<Eigen::Vector3f>& points_m) { build(points_m, 0, points_m.size()); }
 
     /// Index of the point nearest to `p_m` among those for which accept(index) is true and that are nearer
     /// than `max_distance_m`; of several equally near ones the first; `none` if there is none.
@@ -76,7 +77,7 @@ class KdTree {
         }
     };
 
-    void build(std::uint32_t begin, std::uint32_t end);
+    void split(std::uint32_t begin, std::uint32_t end);
 
     std::vector<Entry> entries_;
     std::vector<Node> nodes_;

@@ -17,7 +17,7 @@ struct MatchingSettings {
     double loss_scale = 1;  ///< residual in standard deviations from which on it counts less (Cauchy)
     int rounds = 8;         ///< of correspondences
     int steps = 4;          ///< of Levenberg-Marquardt in each
-    double enough_m = 5e-4, enough_rad = 2e-5;
+    double enough_m = 1e-3, enough_rad = 5e-5;
     /// A direction that the scene holds no better than this is free; a turn counts by what it moves at the
     /// mean range.
     double sigma_degenerate_m = 0.1;

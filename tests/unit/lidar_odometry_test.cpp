@@ -260,7 +260,7 @@ TEST(LidarCorrespondences, no_plane_leads_over_a_step) {
     for (const double kerb_m : {0.0, 0.15}) {
         ReferenceSweep before;
         SweepFeatures features;
-        features.planar = {feature(0, 0, 0, 5), feature(0.3, 0, 0, 5), feature(0.1, 1, kerb_m, 4),
+        features.planar = {feature(0.1, 1, kerb_m, 4), feature(0, 0, 0, 5), feature(0.3, 0, 0, 5),
                            feature(0.1, -1, 0, 6)};
         before.set(features, {});
         EXPECT_EQ(find_plane(before, {0.1, 0.4, 0}, {1, 0, 0}, {}).has_value(), kerb_m == 0);
