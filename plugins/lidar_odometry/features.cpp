@@ -70,7 +70,7 @@ void FeatureFinder::find(const lidar::SpinningScan& scan, const FeatureSettings&
         take_ring(scan, r, settings);
         if (ring_.size() <= 2 * half) continue;
         find_curvature();
-        find_unfit(settings);
+        find_unfit();
         const auto ring = static_cast<std::uint16_t>(r);
         choose_edges(ring, settings, features.edges);
         choose_planar(ring, settings, features.planar);
@@ -130,30 +130,34 @@ void FeatureFinder::mark(std::size_t begin, std::size_t end, std::uint8_t what) 
 
 /// LOAM, section V.A and fig. 4: no points on surfaces nearly parallel to the beam, and none on the border of
 /// what something nearer hides.
-void FeatureFinder::find_unfit(const FeatureSettings&) {
+void FeatureFinder::find_unfit() {
     const std::size_t n = ring_.size();
     beam_step_rad_ = typical_step_rad(ring_.x_m, ring_.y_m, ring_.z_m);
     ring_.open.assign(n, 0);
     ring_.unfit.assign(n, 0);
     mark(0, half, neither);
     mark(n - half, n, neither);
-    float stretch_before = 0;
+    const float apart_rad = beams_apart * beam_step_rad_, stretched_rad = parallel_stretch * beam_step_rad_;
+    bool stretched_before = false;
     for (std::size_t i = 0; i + 1 < n; ++i) {
         const Eigen::Vector3f a = ring_.point(i), b = ring_.point(i + 1);
-        const float near_m = std::min(ring_.range_m[i], ring_.range_m[i + 1]);
+        const float range_a_m = ring_.range_m[i], range_b_m = ring_.range_m[i + 1],
+                    near_m = std::min(range_a_m, range_b_m);
         const std::size_t before = i + 1 >= half ? i + 1 - half : 0;
-        const float stretch = (b - a).norm() / (beam_step_rad_ * near_m);
         if (hidden_[i] != 0) mark(before, i + 1 + half, neither);
-        if (sine_between(a, b) > beams_apart * beam_step_rad_) {
+        const float apart_m2 = apart_rad * range_a_m * range_b_m;
+        if (a.cross(b).squaredNorm() > apart_m2 * apart_m2) {
             ring_.open[i] = 1;
             mark(before, i + 1 + half, no_plane);
-            stretch_before = 0;
+            stretched_before = false;
             continue;
         }
-        if (stretch > parallel_stretch && stretch_before > parallel_stretch) mark(i, i + 1, neither);
-        stretch_before = stretch;
-        const float step_m = ring_.range_m[i + 1] - ring_.range_m[i];
-        if (std::abs(step_m) < std::max(least_step_m, parallel_stretch * beam_step_rad_ * near_m)) continue;
+        const float stretched_m = stretched_rad * near_m;
+        const bool stretched = (b - a).squaredNorm() > stretched_m * stretched_m;
+        if (stretched && stretched_before) mark(i, i + 1, neither);
+        stretched_before = stretched;
+        const float step_m = range_b_m - range_a_m;
+        if (std::abs(step_m) < std::max(least_step_m, stretched_m)) continue;
         mark(before, i + 1 + half, no_plane);
         ring_.open[i] = 1;
         if (step_m > 0)

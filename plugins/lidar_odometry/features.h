@@ -77,7 +77,7 @@ class FeatureFinder {
 
     void take_ring(const lidar::SpinningScan& scan, std::size_t ring, const FeatureSettings& settings);
     void find_curvature();
-    void find_unfit(const FeatureSettings& settings);
+    void find_unfit();
     void mark(std::size_t begin, std::size_t end, std::uint8_t what);
     void choose_edges(std::uint16_t ring, const FeatureSettings& settings, std::vector<Feature>& edges);
     void choose_planar(std::uint16_t ring, const FeatureSettings& settings, std::vector<Feature>& planar);
