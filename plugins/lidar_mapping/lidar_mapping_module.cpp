@@ -175,6 +175,9 @@ void LidarMappingModule::finish(Results& results) {
     results.metrics["map_cells"] = static_cast<std::int64_t>(mapping_->map().cells());
     results.metrics["scans_degenerate"] = degenerate_;
     if (unusable_ > 0) results.metrics["scans_unusable"] = unusable_;
+    if (odometry_->wanted() && odometry_->taken() == 0)
+        results.warnings.push_back("[lidar_mapping] odometry = " + odometry_settings_.label +
+                                   ", but no pose with that label came; the velocity was taken to go on");
 }
 
 }  // namespace loopline

@@ -56,7 +56,7 @@ void fields(Archive& archive, PublishedOdometry& odometry) {
     archive.each(odometry.poses_, [](auto& a, auto& pose) {
         a(pose.stamp_ns, pose.T_odom_base.translation_m, pose.T_odom_base.rotation.coeffs(), pose.covariance);
     });
-    archive(odometry.planar_);
+    archive(odometry.planar_, odometry.taken_);
 }
 
 }  // namespace lidar_mapping

@@ -32,8 +32,10 @@ bool PublishedOdometry::take(const mrpt::obs::CObservation& observation) {
     }
     const bool finite = sample.T_odom_base.translation_m.allFinite() &&
                         sample.T_odom_base.rotation.coeffs().allFinite() && sample.covariance.allFinite();
-    if (finite) poses_.push_back(sample);
-    return finite;
+    if (!finite) return false;
+    poses_.push_back(sample);
+    ++taken_;
+    return true;
 }
 
 std::size_t PublishedOdometry::before(StampNs stamp_ns) const {

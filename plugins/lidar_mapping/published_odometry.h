@@ -1,6 +1,7 @@
 /// Poses that another odometry publishes under one label, and the motion between any two times by them.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -28,6 +29,8 @@ class PublishedOdometry {
     bool wanted() const { return !settings_.label.empty(); }
     /// Whether it was a pose of this odometry: CObservationRobotPose or CObservationOdometry.
     bool take(const mrpt::obs::CObservation& observation);
+    /// How many poses have come.
+    std::int64_t taken() const { return taken_; }
     /// Whether a pose has come that is not older than this.
     bool reaches(StampNs stamp_ns) const { return !poses_.empty() && poses_.back().stamp_ns >= stamp_ns; }
     /// None as long as there are not two poses; before the first and after the last the motion goes on.
@@ -52,6 +55,7 @@ class PublishedOdometry {
     PublishedOdometrySettings settings_;
     std::deque<Sample> poses_;
     bool planar_ = false;
+    std::int64_t taken_ = 0;
 };
 
 }  // namespace loopline::lidar_mapping

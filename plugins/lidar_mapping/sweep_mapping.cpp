@@ -15,7 +15,7 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan, const Giv
     if (sweeps_ == 0)
         begin();
     else if (given != nullptr && duration_s > 0)
-        follow(duration_s, *given);
+        follow_given(duration_s, *given);
     else if (sweeps_ == 1)
         follow_first(duration_s);
     else
@@ -76,7 +76,7 @@ void SweepMapping::follow_first(double duration_s) {
 }
 
 /// As another odometry has it. It also tells the velocity of the first sweep.
-void SweepMapping::follow(double duration_s, const GivenMotion& given) {
+void SweepMapping::follow_given(double duration_s, const GivenMotion& given) {
     if (sweeps_ == 1) {
         last_.state.velocity = given.velocity;
         map_.clear();

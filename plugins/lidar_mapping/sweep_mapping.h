@@ -42,7 +42,7 @@ class SweepMapping {
     friend void fields(Archive&, SweepMapping&);
     void begin();
     void follow_first(double duration_s);
-    void follow(double duration_s, const GivenMotion& given);
+    void follow_given(double duration_s, const GivenMotion& given);
     void carry_covariance(const Eigen::Vector3d& way_m);
     void add_to_map(const std::vector<SweepPoint>& points, const MotionState& state);
     void forget();

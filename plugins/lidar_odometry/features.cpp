@@ -215,12 +215,13 @@ void FeatureFinder::choose_edges(std::uint16_t ring, const FeatureSettings& sett
         });
         int chosen = 0;
         for (const std::size_t i : candidates_) {
+            if (chosen >= settings.edges_kept_per_sector) break;
             if ((ring_.unfit[i] & no_edge) != 0) continue;
             Feature edge = edge_at(i, ring, settings);
             edge.matched = chosen < settings.edges_per_sector ? 1 : 0;
             edges.push_back(edge);
             mark(i >= half ? i - half : 0, i + half + 1, neither);
-            if (++chosen >= settings.edges_kept_per_sector) break;
+            ++chosen;
         }
     }
 }

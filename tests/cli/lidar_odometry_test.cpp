@@ -65,6 +65,17 @@ TEST(LidarOdometryRuns, wheels_in_front_of_a_map) {
     EXPECT_LT(driven.at("ate_rmse_m").get<double>(), 0.1);
 }
 
+TEST(LidarOdometryRuns, an_odometry_that_never_comes_is_warned_of) {
+    const TemporaryFolder folder;
+    const std::string ini = (folder / "run.ini").string();
+    std::ofstream(ini) << "[run]\nrawlog = " << short_street_log()
+                       << "\nmodules = lidar_mapping\ntrajectory = lidar_mapping\n[lidar_mapping]\n"
+                          "odometry = nobody\n[outputs]\nsnapshots = false\nreport = false\n";
+    const auto result = run_loopline({"run", ini, "--out", (folder / "out").string()});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_NE(result.err.find("odometry = nobody"), std::string::npos) << result.err;
+}
+
 TEST(LidarOdometryRuns, say_so_where_a_log_has_no_sweep) {
     const TemporaryFolder folder;
     const std::string ini = (folder / "run.ini").string(), log = (folder / "square.rawlog").string();
