@@ -45,6 +45,8 @@ class Matcher {
         double cost = 0;
     };
 
+    void pair_with_line(const Feature& edge, const Pose3& T_before_then, Pair& pair) const;
+    void pair_with_plane(const Feature& planar, const Pose3& T_before_then, Pair& pair) const;
     void associate(const Pose3& T_before_now);
     Sums linearise(const Pose3& T_before_now) const;
     double prior_cost(const Pose3& T_before_now) const;
@@ -75,7 +77,28 @@ Pose3 moved(const Pose3& T, const Vector6d& step) {
     return exp_se3({step.head<3>(), step.tail<3>()}) * T;
 }
 
-/// In parts, whoever computes them.
+/// An edge point and its line.
+void Matcher::pair_with_line(const Feature& edge, const Pose3& T_before_then, Pair& pair) const {
+    const auto line = find_line(before_, T_before_then * pair.p_base_m, settings_.correspondences);
+    if (!line) return;
+    pair.residual = to_line(*line);
+    pair.residuals = 2;
+    pair.per_variance = 1 / (static_cast<double>(edge.variance_m2) + line->variance_m2);
+}
+
+/// A planar point and its plane.
+void Matcher::pair_with_plane(const Feature& planar, const Pose3& T_before_then, Pair& pair) const {
+    const Eigen::Vector3d along = T_before_then.rotation * planar.along_base.cast<double>();
+    const auto plane = find_plane(before_, T_before_then * pair.p_base_m, along, settings_.correspondences);
+    if (!plane) return;
+    pair.residual[0] = to_plane(*plane);
+    pair.residuals = 1;
+    const Eigen::Vector3d normal_base = T_before_then.rotation.conjugate() * plane->normal;
+    pair.per_variance = 1 / (variance_along(planar, normal_base) + plane->variance_m2);
+    pair.turned_by = plane->turned_by;
+}
+
+/// Each point by itself, so that it does not matter which thread takes it.
 void Matcher::associate(const Pose3& T_before_now) {
     constexpr std::size_t parts = 16;
     const ConstantTwist motion(T_before_now, expected_.duration_s);
@@ -88,24 +111,9 @@ void Matcher::associate(const Pose3& T_before_now) {
             Pair& pair = pairs_[i];
             pair.p_base_m = feature.p_base_m.cast<double>();
             pair.time_s = static_cast<double>(feature.time_s);
-            const Pose3 T = motion.at(pair.time_s);
-            const Eigen::Vector3d p_before_m = T * pair.p_base_m;
-            if (edge) {
-                const auto line = find_line(before_, p_before_m, settings_.correspondences);
-                if (!line) continue;
-                pair.residual = to_line(*line);
-                pair.residuals = 2;
-                pair.per_variance = 1 / (static_cast<double>(feature.variance_m2) + line->variance_m2);
-            } else {
-                const Eigen::Vector3d along = T.rotation * feature.along_base.cast<double>();
-                const auto plane = find_plane(before_, p_before_m, along, settings_.correspondences);
-                if (!plane) continue;
-                pair.residual[0] = to_plane(*plane);
-                pair.residuals = 1;
-                const Eigen::Vector3d normal_base = T.rotation.conjugate() * plane->normal;
-                pair.per_variance = 1 / (variance_along(feature, normal_base) + plane->variance_m2);
-                pair.turned_by = plane->turned_by;
-            }
+            const Pose3 T_before_then = motion.at(pair.time_s);
+            edge ? pair_with_line(feature, T_before_then, pair)
+                 : pair_with_plane(feature, T_before_then, pair);
         }
     });
     pairs_.erase(std::remove_if(pairs_.begin(), pairs_.end(), [](const Pair& p) { return p.residuals == 0; }),
@@ -183,15 +191,16 @@ double Matcher::descend(Pose3& T_before_now) {
         const Vector6d step = H.ldlt().solve(P.transpose() * sums.g + prior_ * off);
         if (!step.allFinite()) break;
         const Pose3 next = moved(T_before_now, step);
-        const bool last = i + 1 == settings_.steps || (step.head<3>().norm() < settings_.enough_m &&
-                                                       step.tail<3>().norm() < settings_.enough_rad);
-        const Sums at_next = last ? Sums() : linearise(next);
-        if (!last && directions.all() && at_next.cost > sums.cost) {
+        if (step.head<3>().norm() < settings_.enough_m && step.tail<3>().norm() < settings_.enough_rad) {
+            T_before_now = next;
+            break;
+        }
+        const Sums at_next = linearise(next);
+        if (directions.all() && at_next.cost > sums.cost) {
             damping = std::max(1e-4, 10 * damping);
             continue;
         }
         T_before_now = next;
-        if (last) break;
         damping /= 10;
         sums = at_next;
     }
