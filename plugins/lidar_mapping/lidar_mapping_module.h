@@ -7,6 +7,7 @@
 #include "api/module.h"
 #include "api/set_aside.h"
 #include "lidar/observation_scan.h"
+#include "lidar_mapping/published_odometry.h"
 #include "lidar_mapping/sweep_mapping.h"
 
 namespace loopline {
@@ -20,6 +21,7 @@ class LidarMappingModule : public Module {
     ParameterTable parameters() override;
     void start(const RunContext&) override;
     void process(const StreamItem& item, Publisher& publisher) override;
+    void drain(Publisher& publisher) override;
     void finish(Results& results) override;
     const Trajectory* trajectory() const override { return &trajectory_; }
     bool can_resume() const override { return true; }
@@ -35,16 +37,35 @@ class LidarMappingModule : public Module {
         std::array<double, 7> T_map_base{};  ///< x, y, z, qx, qy, qz, qw
         std::array<double, 36> covariance{};
     };
-    void publish(const StreamItem& item, const Pose3& T_map_base, const Matrix6d& covariance,
+    /// A sweep on its way; with an odometry it waits for the pose of its time.
+    struct Waiting {
+        std::uint64_t sequence = 0;
+        StampNs stamp_ns = 0;
+        mrpt::Clock::time_point timestamp;
+        lidar::SpinningScan scan;
+    };
+    struct Placed {
+        lidar_mapping::MotionState state;  ///< in the middle of the sweep
+        Matrix6d covariance = Matrix6d::Zero();
+    };
+    void follow(const Waiting& sweep, Publisher& publisher);
+    Placed place(const lidar::SpinningScan& scan, StampNs middle_ns);
+    void follow_waiting(Publisher& publisher);
+    void publish(const Waiting& sweep, const Pose3& T_map_base, const Matrix6d& covariance,
                  Publisher& publisher) const;
 
     lidar_mapping::SweepMappingSettings settings_;
     lidar::SweepConvention cloud_sweep_;
     std::vector<std::string> sensors_;  ///< labels; empty for all
+    lidar_mapping::PublishedOdometrySettings odometry_settings_;
+    int every_sweeps_ = 1;
 
     std::unique_ptr<lidar::SpinningScanReader> reader_;
     std::unique_ptr<lidar_mapping::SweepMapping> mapping_;
-    lidar::SpinningScan scan_;
+    std::unique_ptr<lidar_mapping::PublishedOdometry> odometry_;
+    Waiting now_;
+    bool waits_ = false;  ///< the sweep in now_
+    int between_ = 0;     ///< sweeps since the latest one of the map
     SetAside<Sweep> sweeps_;
     std::int64_t unusable_ = 0, degenerate_ = 0;
 

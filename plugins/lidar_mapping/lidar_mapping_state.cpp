@@ -58,24 +58,44 @@ void fields(Archive& archive, Standstill& standstill) {
 
 template <class Archive>
 void fields(Archive& archive, SweepMapping& mapping) {
-    archive(mapping.map_, mapping.first_, mapping.last_.state, mapping.covariance_, mapping.sweeps_,
-            mapping.last_ns_, mapping.forgot_at_m_, mapping.added_at_.translation_m,
+    archive(mapping.map_, mapping.first_, mapping.first_middle_s_, mapping.last_.state, mapping.covariance_,
+            mapping.sweeps_, mapping.last_ns_, mapping.forgot_at_m_, mapping.added_at_.translation_m,
             mapping.added_at_.rotation.coeffs(), mapping.standstill_, mapping.stands_);
+}
+
+template <class Archive>
+void fields(Archive& archive, PublishedOdometry& odometry) {
+    archive.each(odometry.poses_, [](auto& a, auto& pose) {
+        a(pose.stamp_ns, pose.T_odom_base.translation_m, pose.T_odom_base.rotation.coeffs(), pose.covariance);
+    });
+    archive(odometry.planar_, odometry.taken_);
 }
 
 }  // namespace lidar_mapping
 
+namespace lidar {
+
+template <class Archive>
+void fields(Archive& archive, SpinningScan& scan) {
+    archive(scan.label, scan.stamp_ns, scan.T_base_lidar.translation_m, scan.T_base_lidar.rotation.coeffs(),
+            scan.begin_s, scan.end_s, scan.ring_begin);
+    archive.each(scan.points, [](auto& a, auto& p) { a(p.x_m, p.y_m, p.z_m, p.time_s); });
+}
+
+}  // namespace lidar
+
 template <class Archive>
 void fields(Archive& archive, LidarMappingModule& m) {
-    archive(*m.mapping_, m.sweeps_, m.unusable_, m.degenerate_);
+    archive(*m.mapping_, m.sweeps_, m.unusable_, m.degenerate_, *m.odometry_, m.between_, m.waits_);
+    if (m.waits_) archive(m.now_.sequence, m.now_.stamp_ns, m.now_.timestamp, m.now_.scan);
 }
 
 void LidarMappingModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 1, *this);
+    write_state(out, info().name, 3, *this);
 }
 
 void LidarMappingModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 1, *this);
+    read_state(in, info().name, 3, *this);
 }
 
 }  // namespace loopline

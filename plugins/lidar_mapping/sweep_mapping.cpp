@@ -43,15 +43,17 @@ class PlaceNoise {
 
 }  // namespace
 
-const Registration& SweepMapping::add(const lidar::SpinningScan& scan) {
+const Registration& SweepMapping::add(const lidar::SpinningScan& scan, const GivenMotion* given) {
     sampler_.sample(scan, settings_.sampling, settings_.map_voxel_m, points_);
     sampler_.thin_out(points_, settings_.match_voxel_m, matched_);
     const StampNs middle_ns = scan.stamp_ns + std::llround(1e9 * (scan.begin_s + scan.end_s) / 2);
-    stands_ = stands_ && standstill_.lasts(scan);
+    stands_ = stands_ && given == nullptr && standstill_.lasts(scan);
     const double duration_s = seconds_between(last_ns_, middle_ns);
     const Eigen::Vector3d before_m = last_.state.T_map_base.translation_m;
     if (sweeps_ == 0)
-        begin();
+        begin(seconds_between(scan.stamp_ns, middle_ns));
+    else if (given != nullptr && duration_s > 0)
+        follow_given(duration_s, *given);
     else if (sweeps_ == 1)
         follow_first(duration_s);
     else
@@ -89,25 +91,40 @@ void SweepMapping::follow(double duration_s) {
     if (stands_) last_.state = before;
 }
 
-void SweepMapping::begin() {
+void SweepMapping::begin(double middle_s) {
     last_.state = standing_state();
     first_ = points_;
+    first_middle_s_ = middle_s;
+}
+
+/// The map's origin is where the vehicle was at the stamp of the first sweep.
+MotionState SweepMapping::moving_first(const Twist3& velocity) const {
+    MotionState state = first_state(settings_.motion);
+    state.velocity = velocity;
+    state.T_map_base = exp_se3(velocity * first_middle_s_);
+    return state;
 }
 
 /// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward, and
 /// the first sweep is put into the map as it was seen from the vehicle at the speed that fits best.
 void SweepMapping::follow_first(double duration_s) {
-    const MotionState first = first_state(settings_.motion);
+    struct Start {
+        Registration found;
+        Twist3 velocity;
+    };
+    MotionState first;
     const auto try_from = [&](const Twist3& velocity) {
-        MotionState state = first;
-        state.velocity = velocity;
+        first = moving_first(velocity);
         map_.clear();
-        add_to_map(first_, state);
-        return register_sweep(map_, matched_, predict(state, duration_s, settings_.motion),
+        add_to_map(first_, first);
+        return register_sweep(map_, matched_, predict(first, duration_s, settings_.motion),
                               settings_.registration, workers_);
     };
-    const auto velocity_of = [&](const Registration& found) {
-        return log_se3(first.T_map_base.inverse() * found.state.T_map_base) * (1 / duration_s);
+    const auto try_speed = [&](double speed_mps) {
+        Start start{try_from({{speed_mps, 0, 0}, {0, 0, 0}}), {}};
+        start.velocity =
+            log_se3(first.T_map_base.inverse() * start.found.state.T_map_base) * (1 / duration_s);
+        return start;
     };
     if (stands_) {
         first_.clear();
@@ -118,26 +135,41 @@ void SweepMapping::follow_first(double duration_s) {
         first_.clear();
         return;
     }
-    Registration best = try_from({});
+    Start best = try_speed(0);
     double speed_mps = 0;
     for (int worse = 0; worse < 2 && speed_mps < settings_.first_speed_max_mps;) {
         speed_mps += settings_.first_speed_step_mps;
-        const Registration found = try_from({{speed_mps, 0, 0}, {0, 0, 0}});
-        const bool better = found.support > 1.1 * best.support;
+        const Start tried = try_speed(speed_mps);
+        const bool better = tried.found.support > 1.1 * best.found.support;
         worse = better ? 0 : worse + 1;
-        if (better) best = found;
+        if (better) best = tried;
     }
-    last_ = try_from(velocity_of(best));
+    last_ = try_from(best.velocity);
     first_.clear();
     first_.shrink_to_fit();
+}
+
+/// As another odometry has it. It also tells the velocity of the first sweep.
+void SweepMapping::follow_given(double duration_s, const GivenMotion& given) {
+    if (sweeps_ == 1) {
+        last_.state = moving_first(given.velocity);
+        map_.clear();
+        add_to_map(first_, last_.state);
+        first_.clear();
+        first_.shrink_to_fit();
+    }
+    last_ = register_sweep(map_, matched_, predict(last_.state, given, duration_s, settings_.motion),
+                           settings_.registration, workers_);
 }
 
 void SweepMapping::add_to_map(const std::vector<SweepPoint>& points, const MotionState& state) {
     returns_.clear();
     const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
     const Eigen::Matrix3f beams = R.cast<float>();
-    const double cap=getenv("CAP")?atof(getenv("CAP")):0.1; const double tr=state.covariance.topLeftCorner<3,3>().trace(); const double scale=std::min(1.0,cap*cap/tr);
-    const PlaceNoise noise(scale*state.covariance.topLeftCorner<6, 6>(), settings_.map.sigma_range_m);
+    static const double cap = getenv("CAP") ? atof(getenv("CAP")) : 0.1;
+    const double tr = state.covariance.topLeftCorner<3, 3>().trace();
+    const double scale = std::min(1.0, cap * cap / tr);
+    const PlaceNoise noise(scale * state.covariance.topLeftCorner<6, 6>(), settings_.map.sigma_range_m);
     for (const SweepPoint& point : points) {
         const Eigen::Vector3d arm_m = R * undistorted(point, state.velocity);
         returns_.push_back({state.T_map_base.translation_m + arm_m,

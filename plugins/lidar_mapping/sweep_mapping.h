@@ -1,8 +1,10 @@
 /// A spinning lidar's path and local map, sweep after sweep.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "lidar_mapping/given_motion.h"
 #include "lidar_mapping/registration.h"
 #include "lidar_mapping/standstill.h"
 
@@ -25,7 +27,13 @@ class SweepMapping {
     SweepMapping(const SweepMappingSettings& settings, int threads)
         : settings_(settings), map_(settings.map), workers_(threads) {}
 
-    const Registration& add(const lidar::SpinningScan& scan);
+    /// `given`: the motion since the latest sweep by another odometry, if there is one.
+    const Registration& add(const lidar::SpinningScan& scan, const GivenMotion* given = nullptr);
+    const Registration& latest() const { return last_; }
+    /// Of the latest sweep; none before the first.
+    std::optional<StampNs> latest_middle_ns() const {
+        return sweeps_ > 0 ? std::optional(last_ns_) : std::nullopt;
+    }
     /// Of (shift, turn) of the latest pose in the map of the first sweep, map axes, about the vehicle: the
     /// map is renewed along the way, so each sweep's error adds to those before.
     const Matrix6d& covariance() const { return covariance_; }
@@ -38,10 +46,12 @@ class SweepMapping {
         Eigen::Vector3d p_map_m;
         Eigen::Matrix3f noise_m2;
     };
-    void begin();
+    void begin(double middle_s);
+    MotionState moving_first(const Twist3& velocity) const;
     void follow_first(double duration_s);
     void follow(double duration_s);
     bool is_away_from_last_added() const;
+    void follow_given(double duration_s, const GivenMotion& given);
     void carry_covariance(const Eigen::Vector3d& way_m);
     void add_to_map(const std::vector<SweepPoint>& points, const MotionState& state);
     void forget();
@@ -53,6 +63,7 @@ class SweepMapping {
     std::vector<SweepPoint> points_, matched_;
     std::vector<PlacedReturn> returns_;
     std::vector<SweepPoint> first_;  ///< the first sweep, until its motion is known
+    double first_middle_s_ = 0;      ///< its middle, after its stamp
     Registration last_;
     Pose3 added_at_;  ///< of the last sweep that went to the map
     Standstill standstill_;

@@ -44,7 +44,7 @@ class BrokenRuns {
     /// The keys of `ini` beside rawlog and outputs.
     BrokenRuns(const std::string& log, const std::string& ini) : ini_(folder_ / "run.ini") {
         write_file(ini_, "[run]\nrawlog = " + log + "\n" + ini +
-                             "\n[outputs]\nrecord = lines odometry_at_scan line_slam lidar_mapping\nsnapshots = false\n"
+                             "\n[outputs]\nrecord = lines odometry_at_scan line_slam lidar_odometry lidar_odometry_motion lidar_mapping\nsnapshots = false\n"
                              "report = false\n");
     }
 

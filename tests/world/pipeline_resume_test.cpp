@@ -130,3 +130,16 @@ TEST(ResumedRuns, of_one_that_makes_a_cloud_of_a_street) {
     EXPECT_EQ(runs.run("broken", true), 0);
     runs.expect_same("broken", "whole");
 }
+
+TEST(ResumedRuns, of_a_map_that_another_odometry_drives_at_a_lower_rate) {
+    const std::string ini =
+        "checkpoint_items = 1\nmodules = lidar_odometry lidar_mapping\n[lidar_mapping]\nevery_sweeps = "
+        "3\nodometry = ";
+    for (const std::string odometry : {"lidar_odometry", "wheels"}) {
+        const BrokenRuns runs(test::short_street_log(), ini + odometry + "\n");
+        ASSERT_EQ(runs.run("whole", false), 0);
+        EXPECT_EQ(runs.run("broken", false, Break::kill_all, 44), 137);  // while a sweep waits for the wheels
+        EXPECT_EQ(runs.run("broken", true), 0);
+        runs.expect_same("broken", "whole");
+    }
+}

@@ -1,0 +1,48 @@
+#include "lidar_mapping/given_motion.h"
+
+#include "inertial/rotation_vector.h"
+
+namespace loopline::lidar_mapping {
+namespace {
+
+Twist3 with_planar(Twist3 twist, const Twist3& planar) {
+    twist.shift_m.head<2>() = planar.shift_m.head<2>();
+    twist.turn_rad.z() = planar.turn_rad.z();
+    return twist;
+}
+
+}  // namespace
+
+MotionState predict(const MotionState& state, const GivenMotion& given, double duration_s,
+                    const MotionNoise& noise) {
+    const Eigen::Matrix<double, 6, 1> accelerations =
+        (Eigen::Matrix<double, 6, 1>() << Eigen::Vector3d::Constant(noise.sigma_acceleration_mps2),
+         Eigen::Vector3d::Constant(noise.sigma_turn_radps2))
+            .finished();
+    MotionState next = state;
+    next.velocity = given.planar ? with_planar(state.velocity, given.velocity) : given.velocity;
+    Pose3 T_last_now = given.T_last_now;
+    // Along the vehicle's axes: of the motion, and of the velocity, which changes within it.
+    Matrix6d motion = given.covariance;
+    Matrix6d velocity = given.covariance / (duration_s * duration_s);
+    velocity.diagonal() += (accelerations * duration_s).cwiseAbs2();
+    if (given.planar) {
+        T_last_now = exp_se3(with_planar(state.velocity * duration_s, log_se3(given.T_last_now)));
+        for (const Eigen::Index k : {2, 3, 4})
+            motion(k, k) =
+                (accelerations[k] * duration_s * duration_s) * (accelerations[k] * duration_s * duration_s);
+    }
+    next.T_map_base = state.T_map_base * T_last_now;
+
+    Matrix6d F = Matrix6d::Identity(), R = Matrix6d::Zero();
+    F.topRightCorner<3, 3>() =
+        -inertial::cross_matrix(next.T_map_base.translation_m - state.T_map_base.translation_m);
+    R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = state.T_map_base.rotation.toRotationMatrix();
+    next.covariance.setZero();
+    next.covariance.topLeftCorner<6, 6>() =
+        F * state.covariance.topLeftCorner<6, 6>() * F.transpose() + R * motion * R.transpose();
+    next.covariance.bottomRightCorner<6, 6>() = R * velocity * R.transpose();
+    return next;
+}
+
+}  // namespace loopline::lidar_mapping

@@ -1,0 +1,61 @@
+/// Poses that another odometry publishes under one label, and the motion between any two times by them.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "api/stamp.h"
+#include "lidar_mapping/given_motion.h"
+
+namespace mrpt::obs {
+class CObservation;
+}
+
+namespace loopline::lidar_mapping {
+
+struct PublishedOdometrySettings {
+    std::string label;  ///< empty: there is none
+    /// Of the motion between two sweeps, beside what its covariance says, if it has one: errors that
+    /// neighbouring motions share, and that a lidar odometry has seen the same sweep.
+    double sigma_m = 0.03, sigma_rad = 0.3 * 3.14159265358979323846 / 180;
+};
+
+class PublishedOdometry {
+ public:
+    explicit PublishedOdometry(const PublishedOdometrySettings& settings) : settings_(settings) {}
+
+    bool wanted() const { return !settings_.label.empty(); }
+    /// Whether it was a pose of this odometry: CObservationRobotPose or CObservationOdometry.
+    bool take(const mrpt::obs::CObservation& observation);
+    /// How many poses have come.
+    std::int64_t taken() const { return taken_; }
+    /// Whether a pose has come that is not older than this.
+    bool reaches(StampNs stamp_ns) const { return !poses_.empty() && poses_.back().stamp_ns >= stamp_ns; }
+    /// None as long as there are not two poses; before the first and after the last the motion goes on.
+    std::optional<GivenMotion> motion(StampNs from_ns, StampNs to_ns) const;
+    /// Forgets what no motion from `stamp_ns` on needs.
+    void forget_before(StampNs stamp_ns);
+
+ private:
+    template <class Archive>
+    friend void fields(Archive&, PublishedOdometry&);
+    struct Sample {
+        StampNs stamp_ns = 0;
+        Pose3 T_odom_base;
+        Matrix6d covariance =
+            Matrix6d::Zero();  ///< of (shift, turn) along the axes of odom, about the vehicle
+    };
+    /// The first of the two poses that the motion at a time is told by.
+    std::size_t before(StampNs stamp_ns) const;
+    ScrewSegment segment(std::size_t first) const;
+    Matrix6d growth(const Sample& from, const Sample& to) const;
+
+    PublishedOdometrySettings settings_;
+    std::deque<Sample> poses_;
+    bool planar_ = false;
+    std::int64_t taken_ = 0;
+};
+
+}  // namespace loopline::lidar_mapping
