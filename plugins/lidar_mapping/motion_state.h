@@ -21,7 +21,7 @@ struct MotionState {
 
 struct MotionNoise {
     double sigma_acceleration_mps2 = 3;
-    double sigma_turn_radps2 = 0.5;
+    double sigma_turn_radps2 = 0.3;
     double sigma_first_speed_mps = 1;  ///< about the one that is tried
     double sigma_first_turn_radps = 0.3;
 };

@@ -19,6 +19,14 @@ MotionState standing_state() {
     return state;
 }
 
+/// Of a sweep against those just before it. What a vehicle that nothing holds has gone astray, it has
+/// together with them, and the surfaces that it sees now are sound.
+Matrix6d against_neighbours(const Matrix6d& pose_covariance) {
+    constexpr double most_m = 0.2;
+    const double variance_m2 = pose_covariance.topLeftCorner<3, 3>().trace();
+    return std::min(1.0, most_m * most_m / variance_m2) * pose_covariance;
+}
+
 /// Where in the map a return lies is uncertain by its range and by the pose.
 class PlaceNoise {
  public:
@@ -166,10 +174,8 @@ void SweepMapping::add_to_map(const std::vector<SweepPoint>& points, const Motio
     returns_.clear();
     const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
     const Eigen::Matrix3f beams = R.cast<float>();
-    static const double cap = getenv("CAP") ? atof(getenv("CAP")) : 0.1;
-    const double tr = state.covariance.topLeftCorner<3, 3>().trace();
-    const double scale = std::min(1.0, cap * cap / tr);
-    const PlaceNoise noise(scale * state.covariance.topLeftCorner<6, 6>(), settings_.map.sigma_range_m);
+    const PlaceNoise noise(against_neighbours(state.covariance.topLeftCorner<6, 6>()),
+                           settings_.map.sigma_range_m);
     for (const SweepPoint& point : points) {
         const Eigen::Vector3d arm_m = R * undistorted(point, state.velocity);
         returns_.push_back({state.T_map_base.translation_m + arm_m,

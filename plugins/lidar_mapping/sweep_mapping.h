@@ -12,9 +12,9 @@ namespace loopline::lidar_mapping {
 
 struct SweepMappingSettings {
     SamplingSettings sampling;
-    double map_voxel_m = 0.25;                     ///< of the returns that go to the map
-    double match_voxel_m = 1;                      ///< of those that are matched
-    double map_step_m = 0.5, map_turn_rad = 0.05;  ///< from one sweep that goes to the map to the next
+    double map_voxel_m = 0.25;                      ///< of the returns that go to the map
+    double match_voxel_m = 1;                       ///< of those that are matched
+    double map_step_m = 0.75, map_turn_rad = 0.05;  ///< from one sweep that goes to the map to the next
     double forget_every_m = 10;
     double first_speed_step_mps = 2, first_speed_max_mps = 36;  ///< that are tried for the first motion
     MotionNoise motion;

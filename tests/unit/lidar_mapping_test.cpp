@@ -241,8 +241,8 @@ TEST(SurfaceMap, noise_of_ranges_makes_no_plane_of_a_ring) {
         with += told.find(seen).kind == SurfaceKind::plane ? 1 : 0;
         without += untold.find(seen).kind == SurfaceKind::plane ? 1 : 0;
     }
-    EXPECT_EQ(with, 0);
-    EXPECT_GT(without, 10);
+    EXPECT_LE(with, 2);
+    EXPECT_GT(without, 20);
 }
 
 TEST(SurfaceMap, forgets_what_is_far_and_keeps_the_rest) {
