@@ -16,13 +16,19 @@ void fields(Archive& archive, MotionState& state) {
             state.velocity.turn_rad, state.covariance);
 }
 
-/// Cubes in the order of their table; where in a table a cube lies changes nothing.
 template <class Archive>
 void fields(Archive& archive, SurfaceMap& map) {
     for (auto& size : map.sizes_) {
-        std::uint64_t slots = size.table.size(), used = size.used;
-        archive(slots, used);
-        const auto cube = [&archive](SurfaceMap::Cell& c) {
+        std::uint64_t slots = size.slots.size();
+        std::uint32_t cells = size.cells;
+        archive(slots, cells);
+        if constexpr (Archive::reading) {
+            size.cells = 0;
+            size.pieces.clear();
+            for (std::uint32_t k = 0; k < cells; ++k) SurfaceMap::append(size, 0);
+        }
+        for (std::uint32_t k = 0; k < cells; ++k) {
+            SurfaceMap::Cell& c = size[k];
             archive(c.key, c.seen);
             for (auto& x : c.sum) archive(x);
             for (auto& x : c.squares) archive(x);
@@ -30,19 +36,8 @@ void fields(Archive& archive, SurfaceMap& map) {
             for (auto& x : c.direction) archive(x);
             for (auto& x : c.along) archive(x);
             archive(c.variance_m2, c.per_along_m2, c.per_beside_m2, c.returns, c.fitted, c.kind);
-        };
-        if constexpr (Archive::reading) {
-            size.table.assign(slots, {});
-            size.used = 0;
-            for (std::uint64_t k = 0; k < used; ++k) {
-                SurfaceMap::Cell read;
-                cube(read);
-                SurfaceMap::cell_at(size, read.key) = read;
-            }
-        } else {
-            for (SurfaceMap::Cell& cell : size.table)
-                if (cell.key != no_voxel) cube(cell);
         }
+        if constexpr (Archive::reading) SurfaceMap::make_slots(size, slots);
     }
 }
 

@@ -45,7 +45,7 @@ SurfaceMap::SurfaceMap(const SurfaceMapSettings& settings) : settings_(settings)
         sizes_.emplace_back();
         sizes_.back().edge_m = edge_m;
         sizes_.back().per_edge = 1 / edge_m;
-        sizes_.back().table.resize(first_slots);
+        sizes_.back().slots.resize(first_slots);
     }
 }
 
@@ -59,24 +59,42 @@ VoxelIndex SurfaceMap::index_of(const Size& size, const Eigen::Vector3d& p_map_m
 }
 
 const SurfaceMap::Cell* SurfaceMap::find_cell(const Size& size, VoxelKey key) {
-    const std::size_t mask = size.table.size() - 1;
+    const std::size_t mask = size.slots.size() - 1;
     for (std::size_t k = hash(key) & mask;; k = (k + 1) & mask) {
-        const Cell& cell = size.table[k];
-        if (cell.key == key) return &cell;
-        if (cell.key == no_voxel) return nullptr;
+        const Size::Slot& slot = size.slots[k];
+        if (slot.key == key) return &size[slot.cell];
+        if (slot.key == no_voxel) return nullptr;
     }
 }
 
 SurfaceMap::Cell& SurfaceMap::cell_at(Size& size, VoxelKey key) {
-    if (10 * (size.used + 1) > 6 * size.table.size()) rebuild(size, 2 * size.table.size(), nullptr, 0);
-    const std::size_t mask = size.table.size() - 1;
+    if (10 * (std::size_t{size.cells} + 1) > 6 * size.slots.size()) make_slots(size, 2 * size.slots.size());
+    const std::size_t mask = size.slots.size() - 1;
     for (std::size_t k = hash(key) & mask;; k = (k + 1) & mask) {
-        Cell& cell = size.table[k];
-        if (cell.key == key) return cell;
-        if (cell.key != no_voxel) continue;
-        cell.key = key;
-        ++size.used;
-        return cell;
+        Size::Slot& slot = size.slots[k];
+        if (slot.key == key) return size[slot.cell];
+        if (slot.key != no_voxel) continue;
+        slot = {key, size.cells};
+        return append(size, key);
+    }
+}
+
+SurfaceMap::Cell& SurfaceMap::append(Size& size, VoxelKey key) {
+    if (size.cells == size.pieces.size() * Size::piece_cells)
+        size.pieces.push_back(std::make_unique<Cell[]>(Size::piece_cells));
+    Cell& cell = size[size.cells++];
+    cell = {};
+    cell.key = key;
+    return cell;
+}
+
+void SurfaceMap::make_slots(Size& size, std::size_t slots) {
+    size.slots.assign(slots, {});
+    const std::size_t mask = slots - 1;
+    for (std::uint32_t i = 0; i < size.cells; ++i) {
+        std::size_t k = hash(size[i].key) & mask;
+        while (size.slots[k].key != no_voxel) k = (k + 1) & mask;
+        size.slots[k] = {size[i].key, i};
     }
 }
 
@@ -187,44 +205,36 @@ SurfaceMatch SurfaceMap::find(const MapReturn& seen) const {
     return best;
 }
 
-void SurfaceMap::rebuild(Size& size, std::size_t slots, const VoxelIndex* around, int radius) {
-    std::vector<Cell> old(slots);
-    old.swap(size.table);
-    size.used = 0;
-    const std::size_t mask = slots - 1;
-    for (const Cell& cell : old) {
-        if (cell.key == no_voxel) continue;
-        if (around != nullptr) {
-            const VoxelIndex at = unpack(cell.key);
-            if (std::abs(at.x - around->x) > radius || std::abs(at.y - around->y) > radius ||
-                std::abs(at.z - around->z) > radius)
-                continue;
-        }
-        std::size_t k = hash(cell.key) & mask;
-        while (size.table[k].key != no_voxel) k = (k + 1) & mask;
-        size.table[k] = cell;
-        ++size.used;
-    }
-}
-
 void SurfaceMap::keep_around(const Eigen::Vector3d& p_map_m) {
     for (Size& size : sizes_) {
         const VoxelIndex around = index_of(size, p_map_m);
-        rebuild(size, size.table.size(), &around,
-                static_cast<int>(settings_.keep_radius_m * size.per_edge) + 1);
+        const int radius = static_cast<int>(settings_.keep_radius_m * size.per_edge) + 1;
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < size.cells; ++i) {
+            const VoxelIndex at = unpack(size[i].key);
+            if (std::abs(at.x - around.x) > radius || std::abs(at.y - around.y) > radius ||
+                std::abs(at.z - around.z) > radius)
+                continue;
+            if (kept != i) size[kept] = size[i];
+            ++kept;
+        }
+        size.cells = kept;
+        size.pieces.resize((kept + Size::piece_cells - 1) / Size::piece_cells);
+        make_slots(size, size.slots.size());
     }
 }
 
 void SurfaceMap::clear() {
     for (Size& size : sizes_) {
-        size.table.assign(first_slots, {});
-        size.used = 0;
+        size.slots.assign(first_slots, {});
+        size.pieces.clear();
+        size.cells = 0;
     }
 }
 
 std::size_t SurfaceMap::cells() const {
     std::size_t cells = 0;
-    for (const Size& size : sizes_) cells += size.used;
+    for (const Size& size : sizes_) cells += size.cells;
     return cells;
 }
 

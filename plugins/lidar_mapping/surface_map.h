@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lidar_mapping/voxel_key.h"
@@ -77,15 +78,26 @@ class SurfaceMap {
         std::uint8_t returns = 0, fitted = 0;
         SurfaceKind kind = SurfaceKind::none;
     };
+    /// Cubes lie one behind the other in pieces that never move; a table of slots tells where.
     struct Size {
         double edge_m = 0, per_edge = 0;
-        std::vector<Cell> table;
-        std::size_t used = 0;
+        struct Slot {
+            VoxelKey key = no_voxel;
+            std::uint32_t cell = 0;
+        };
+        std::vector<Slot> slots;
+        std::vector<std::unique_ptr<Cell[]>> pieces;
+        std::uint32_t cells = 0;
+
+        static constexpr std::uint32_t piece_cells = 4096;
+        Cell& operator[](std::uint32_t k) { return pieces[k / piece_cells][k % piece_cells]; }
+        const Cell& operator[](std::uint32_t k) const { return pieces[k / piece_cells][k % piece_cells]; }
     };
     static VoxelIndex index_of(const Size& size, const Eigen::Vector3d& p_map_m);
     static Cell& cell_at(Size& size, VoxelKey key);
     static const Cell* find_cell(const Size& size, VoxelKey key);
-    static void rebuild(Size& size, std::size_t slots, const VoxelIndex* around, int radius);
+    static Cell& append(Size& size, VoxelKey key);
+    static void make_slots(Size& size, std::size_t slots);
     void fit(const Size& size, Cell& cell) const;
     void look(const Size& size, const MapReturn& seen, SurfaceMatch& best) const;
 

@@ -121,15 +121,16 @@ void SweepMapping::follow_first(double duration_s) {
         Twist3 velocity;
     };
     MotionState first;
-    const auto try_from = [&](const Twist3& velocity) {
+    RegistrationSettings rough = settings_.registration;
+    rough.iterations = std::min(rough.iterations, 5);
+    const auto try_from = [&](const Twist3& velocity, const RegistrationSettings& how) {
         first = moving_first(velocity);
         map_.clear();
         add_to_map(first_, first);
-        return register_sweep(map_, matched_, predict(first, duration_s, settings_.motion),
-                              settings_.registration, workers_);
+        return register_sweep(map_, matched_, predict(first, duration_s, settings_.motion), how, workers_);
     };
     const auto try_speed = [&](double speed_mps) {
-        Start start{try_from({{speed_mps, 0, 0}, {0, 0, 0}}), {}};
+        Start start{try_from({{speed_mps, 0, 0}, {0, 0, 0}}, rough), {}};
         start.velocity =
             log_se3(first.T_map_base.inverse() * start.found.state.T_map_base) * (1 / duration_s);
         return start;
@@ -139,7 +140,7 @@ void SweepMapping::follow_first(double duration_s) {
         return;
     }
     if (!(duration_s > 0)) {
-        last_ = try_from({});
+        last_ = try_from({}, settings_.registration);
         first_.clear();
         return;
     }
@@ -152,7 +153,7 @@ void SweepMapping::follow_first(double duration_s) {
         worse = better ? 0 : worse + 1;
         if (better) best = tried;
     }
-    last_ = try_from(best.velocity);
+    last_ = try_from(best.velocity, settings_.registration);
     first_.clear();
     first_.shrink_to_fit();
 }
