@@ -24,13 +24,15 @@ MotionState predict(const MotionState& state, const GivenMotion& given, double d
     Pose3 T_last_now = given.T_last_now;
     // Along the vehicle's axes: of the motion, and of the velocity, which changes within it.
     Matrix6d motion = given.covariance;
-    Matrix6d velocity = given.covariance / (duration_s * duration_s);
-    velocity.diagonal() += (accelerations * duration_s).cwiseAbs2();
+    Matrix6d velocity = given.velocity_covariance;
+    velocity.diagonal() += (accelerations * given.velocity_over_s).cwiseAbs2();
     if (given.planar) {
         T_last_now = exp_se3(with_planar(state.velocity * duration_s, log_se3(given.T_last_now)));
-        for (const Eigen::Index k : {2, 3, 4})
-            motion(k, k) =
-                (accelerations[k] * duration_s * duration_s) * (accelerations[k] * duration_s * duration_s);
+        for (const Eigen::Index k : {2, 3, 4}) {
+            const double change = accelerations[k] * duration_s;
+            motion(k, k) = change * duration_s * change * duration_s;
+            velocity(k, k) = change * change;
+        }
     }
     next.T_map_base = state.T_map_base * T_last_now;
 

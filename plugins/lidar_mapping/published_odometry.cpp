@@ -70,12 +70,16 @@ std::optional<GivenMotion> PublishedOdometry::motion(StampNs from_ns, StampNs to
     given.planar = planar_;
     given.T_last_now = segment(from).at(from_ns).inverse() * segment(to).at(to_ns);
     const Sample &a = poses_[to], &b = poses_[to + 1];
-    given.velocity =
-        log_se3(a.T_odom_base.inverse() * b.T_odom_base) * (1 / seconds_between(a.stamp_ns, b.stamp_ns));
+    const double over_s = seconds_between(a.stamp_ns, b.stamp_ns);
+    given.velocity = log_se3(a.T_odom_base.inverse() * b.T_odom_base) * (1 / over_s);
+    given.velocity_over_s = over_s;
+    given.velocity_covariance = growth(a, b) / (over_s * over_s);
     const double share = seconds_between(from_ns, to_ns) / seconds_between(poses_[from].stamp_ns, b.stamp_ns);
     given.covariance = std::max(share, 0.0) * growth(poses_[from], b);
-    given.covariance.diagonal().head<3>().array() += settings_.sigma_m * settings_.sigma_m;
-    given.covariance.diagonal().tail<3>().array() += settings_.sigma_rad * settings_.sigma_rad;
+    Eigen::Matrix<double, 6, 1> sigma;
+    sigma << Eigen::Vector3d::Constant(settings_.sigma_m), Eigen::Vector3d::Constant(settings_.sigma_rad);
+    given.covariance.diagonal() += sigma.cwiseAbs2();
+    given.velocity_covariance.diagonal() += (sigma / over_s).cwiseAbs2();
     return given;
 }
 
