@@ -6,8 +6,9 @@
 #include <fstream>
 
 #include "commands/command.h"
-#include "evaluate/evaluation_reference.h"
+#include "evaluate/evaluate_loops.h"
 #include "evaluate/evaluate_run.h"
+#include "evaluate/evaluation_reference.h"
 #include "evaluate/read_trajectory.h"
 #include "evaluate/relations.h"
 
@@ -89,7 +90,8 @@ TEST_F(EvaluateFiles, truth_of_another_point_of_the_vehicle_is_brought_to_base_w
     EXPECT_EQ(tracked->truth_point_m, Eigen::Vector2d(0.5, -0.2));
 
     settings.surveyed = file("points.csv", "kind,number,x_m,y_m\n");
-    EXPECT_NE(error_of([&] { load_evaluation_reference(settings); }).find("has no headings"), std::string::npos);
+    EXPECT_NE(error_of([&] { load_evaluation_reference(settings); }).find("has no headings"),
+              std::string::npos);
 }
 
 TEST_F(EvaluateFiles, what_is_wrong_is_said_with_file_and_line) {
@@ -155,6 +157,33 @@ TEST_F(EvaluateFiles, a_run_gets_its_metrics) {
     EXPECT_GT(value("ate_max_m"), 0.1);
     EXPECT_NEAR(value("relations_translation_mean_m"), 0.05, 1e-9);
     EXPECT_EQ(std::get<std::int64_t>(evaluation.metrics.at("relations_used")), 1);
+}
+
+/// Along x and back, 1 m beside; the way back is put 2 m too far by one loop, where another had it right.
+TEST_F(EvaluateFiles, a_loop_that_joins_the_wrong_places_is_counted_as_wrong) {
+    std::string truth;
+    Trajectory trajectory;
+    const auto stamp = [](int i) { return (100 + i) * StampNs{1'000'000'000}; };
+    for (int i = 0; i < 40; ++i) {
+        const double x_m = i < 20 ? i : 39 - i, y_m = i < 20 ? 0 : 1;
+        truth += std::to_string(100 + i) + " " + std::to_string(x_m) + " " + std::to_string(y_m) + " 0\n";
+        trajectory.append(static_cast<std::uint64_t>(i), stamp(i),
+                          Pose3(Pose2{x_m + (i >= 35 ? 2 : 0), y_m, 0}), Matrix6d::Zero());
+    }
+    EvaluationSettings settings;
+    settings.truth = file("truth.txt", truth);
+    const auto loop = [&](int late, int old, bool accepted) {
+        LoopDecision decision;
+        decision.stamp_ns = stamp(late);
+        decision.old_stamp_ns = stamp(old);
+        decision.accepted = accepted;
+        return decision;
+    };
+    const auto evaluation = evaluate_loops({loop(30, 9, true), loop(36, 3, true), loop(37, 2, false)},
+                                           trajectory, load_evaluation_reference(settings));
+    EXPECT_EQ(std::get<std::int64_t>(evaluation.metrics.at("loops_right")), 1);
+    EXPECT_EQ(std::get<std::int64_t>(evaluation.metrics.at("loops_wrong")), 1);
+    EXPECT_TRUE(evaluate_loops({}, trajectory, load_evaluation_reference(settings)).metrics.empty());
 }
 
 TEST_F(EvaluateFiles, a_truth_of_another_time_is_a_warning_and_a_pose_that_is_not_finite_is_left_out) {

@@ -1,6 +1,7 @@
 #include "pipeline/run_outputs.h"
 
 #include "commands/command.h"
+#include "evaluate/evaluate_loops.h"
 #include "output/run_directory.h"
 #include "pipeline/run_scratch.h"
 #include "render/render.h"
@@ -20,6 +21,7 @@ void evaluate(const RunSetup& setup, RunRecord& record) {
         record.warnings.insert(record.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
     };
     add(evaluate_run(*record.trajectory, setup.reference, scratch_folder_of(setup)));
+    add(evaluate_loops(record.results.loops, *record.trajectory, setup.reference));
     add(evaluate_points(record.feature_points.points, record.feature_points.missed));
     if (setup.reference)
         add(evaluate_surveys(record.results, record.odometry_results, *record.trajectory, record.odometry,
