@@ -55,7 +55,8 @@ template <class Archive>
 void fields(Archive& archive, SweepMapping& mapping) {
     archive(mapping.map_, mapping.first_, mapping.first_middle_s_, mapping.last_.state, mapping.covariance_,
             mapping.sweeps_, mapping.last_ns_, mapping.forgot_at_m_, mapping.added_at_.translation_m,
-            mapping.added_at_.rotation.coeffs(), mapping.standstill_, mapping.stands_);
+            mapping.added_at_.rotation.coeffs(), mapping.standstill_, mapping.stands_,
+            mapping.usual_agreement_);
 }
 
 template <class Archive>
@@ -86,11 +87,11 @@ void fields(Archive& archive, LidarMappingModule& m) {
 }
 
 void LidarMappingModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 3, *this);
+    write_state(out, info().name, 4, *this);
 }
 
 void LidarMappingModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 3, *this);
+    read_state(in, info().name, 4, *this);
 }
 
 }  // namespace loopline

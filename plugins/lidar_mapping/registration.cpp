@@ -178,8 +178,8 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
         for (std::size_t i = part * points.size() / parts; i < end; ++i) {
             const SweepPoint& point = points[i];
             const Eigen::Vector3d arm = R * undistorted(point, state.velocity);
-            const SurfaceMatch match =
-                map.find({state.T_map_base.translation_m + arm, beams * point.beam_base});
+            const SurfaceMatch match = map.find(
+                {state.T_map_base.translation_m + arm, beams * point.beam_base}, settings.smallest_size);
             if (match.kind != SurfaceKind::none)
                 add_point(match, arm, static_cast<double>(point.time_s), per_scale2, sums[part]);
         }
@@ -192,9 +192,9 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
 
 Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>& points,
                             const MotionState& predicted, const RegistrationSettings& settings,
-                            WorkerPool& workers) {
+                            WorkerPool& workers, const MotionState* start) {
     Registration result;
-    result.state = predicted;
+    result.state = start != nullptr ? *start : predicted;
     const Matrix12d prior = predicted.covariance.inverse();
     NormalEquations sums;
     Matrix12d information = prior;

@@ -14,6 +14,7 @@ namespace loopline::lidar_mapping {
 struct RegistrationSettings {
     double loss_scale = 2;  ///< residual in standard deviations from which on it counts less (Cauchy)
     int iterations = 12;
+    std::size_t smallest_size = 0;  ///< of the map's cubes that are looked at
     double enough_m = 5e-4, enough_rad = 5e-5;
     /// A direction that the scan holds no better than this is not observed; a turn counts by what it moves at
     /// the mean range.
@@ -38,6 +39,8 @@ struct Registration {
     double support = 0;  ///< number of points on a surface, less the farther off they are
     int used = 0, iterations = 0;
     bool converged = false;
+    /// Mean of what a point on a surface counts, 0 to 1.
+    double agreement() const { return used > 0 ? support / used : 0; }
 };
 
 /// Where a point of the sweep was seen from the vehicle in the middle of the sweep, to second order.
@@ -48,8 +51,9 @@ inline Eigen::Vector3d undistorted(const SweepPoint& point, const Twist3& veloci
     return p + s * step + (s * s / 2) * velocity.turn_rad.cross(step);
 }
 
+/// From `start`, if there is one, and else from the prediction.
 Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>& points,
                             const MotionState& predicted, const RegistrationSettings& settings,
-                            WorkerPool& workers);
+                            WorkerPool& workers, const MotionState* start = nullptr);
 
 }  // namespace loopline::lidar_mapping

@@ -199,9 +199,9 @@ void SurfaceMap::look(const Size& size, const MapReturn& seen, SurfaceMatch& bes
             per_return_m2 * cell->per_beside_m2};
 }
 
-SurfaceMatch SurfaceMap::find(const MapReturn& seen) const {
+SurfaceMatch SurfaceMap::find(const MapReturn& seen, std::size_t smallest) const {
     SurfaceMatch best;
-    for (const Size& size : sizes_) look(size, seen, best);
+    for (std::size_t size = smallest; size < sizes_.size(); ++size) look(sizes_[size], seen, best);
     return best;
 }
 

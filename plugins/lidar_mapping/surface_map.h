@@ -53,8 +53,9 @@ class SurfaceMap {
     /// `noise_m2`: covariance of the place, by the range's noise and by what is not known of the pose.
     void add(std::size_t size, const Eigen::Vector3d& p_map_m, const Eigen::Matrix3f& noise_m2);
     std::size_t sizes() const { return sizes_.size(); }
-    /// The most certain surface among those of the cubes around a place; kind `none` if there is none.
-    SurfaceMatch find(const MapReturn& seen) const;
+    /// The most certain surface among those of the cubes around a place, from size `smallest` on; kind `none`
+    /// if there is none.
+    SurfaceMatch find(const MapReturn& seen, std::size_t smallest = 0) const;
     /// Forgets what is farther than `keep_radius_m`.
     void keep_around(const Eigen::Vector3d& p_map_m);
 

@@ -7,6 +7,9 @@
 namespace loopline::lidar_mapping {
 namespace {
 
+/// A sweep is sought farther around if it agrees with the map so much less than those before.
+constexpr double doubtful_part = 0.93, jerk_factor = 10;
+
 /// Sweeps that go to the map wherever the vehicle is.
 constexpr std::uint64_t first_sweeps = 5;
 
@@ -96,7 +99,23 @@ void SweepMapping::follow(double duration_s) {
     const MotionState before = last_.state;
     last_ = register_sweep(map_, matched_, predict(before, duration_s, settings_.motion),
                            settings_.registration, workers_);
+    if (last_.agreement() < doubtful_part * usual_agreement_) search_wider(before, duration_s);
+    usual_agreement_ += (last_.agreement() - usual_agreement_) / 10;
     if (stands_) last_.state = before;
+}
+
+/// A jerk, or a gap in the log: large cubes draw the sweep in from afar, the others then find its place.
+void SweepMapping::search_wider(const MotionState& before, double duration_s) {
+    MotionNoise jerk = settings_.motion;
+    jerk.sigma_acceleration_mps2 *= jerk_factor;
+    jerk.sigma_turn_radps2 *= jerk_factor;
+    const MotionState predicted = predict(before, duration_s, jerk);
+    RegistrationSettings coarse = settings_.registration;
+    coarse.smallest_size = map_.sizes() / 2;
+    const Registration drawn_in = register_sweep(map_, matched_, predicted, coarse, workers_);
+    const Registration found =
+        register_sweep(map_, matched_, predicted, settings_.registration, workers_, &drawn_in.state);
+    if (found.support > last_.support) last_ = found;
 }
 
 void SweepMapping::begin(double middle_s) {

@@ -50,6 +50,7 @@ class SweepMapping {
     MotionState moving_first(const Twist3& velocity) const;
     void follow_first(double duration_s);
     void follow(double duration_s);
+    void search_wider(const MotionState& before, double duration_s);
     bool is_away_from_last_added() const;
     void follow_given(double duration_s, const GivenMotion& given);
     void carry_covariance(const Eigen::Vector3d& way_m);
@@ -67,7 +68,8 @@ class SweepMapping {
     Registration last_;
     Pose3 added_at_;  ///< of the last sweep that went to the map
     Standstill standstill_;
-    bool stands_ = true;  ///< since the first sweep
+    double usual_agreement_ = 0;  ///< of the latest sweeps
+    bool stands_ = true;          ///< since the first sweep
     Matrix6d covariance_ = Matrix6d::Zero();
     std::uint64_t sweeps_ = 0;
     StampNs last_ns_ = 0;

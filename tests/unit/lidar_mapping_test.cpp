@@ -287,6 +287,36 @@ TEST(Registration, finds_pose_and_velocity_of_a_sweep_without_noise_again) {
     EXPECT_EQ(found.degeneracy.free_directions, 0);
 }
 
+/// After a jerk the prediction is far off: large cubes draw the sweep in, small ones then find its place.
+TEST(Registration, large_cubes_draw_in_what_is_far_off) {
+    std::mt19937_64 random(12);
+    const auto panels = yard();
+    const SurfaceMap map = map_of(panels, 0.01, random);
+    WorkerPool workers(1);
+    RegistrationSettings fine, coarse;
+    fine.iterations = coarse.iterations = 20;
+    coarse.smallest_size = 2;
+    int alone = 0, drawn_in = 0;
+    std::normal_distribution<double> normal;
+    for (int run = 0; run < 20; ++run) {
+        const MotionState truth = driving();
+        const auto sweep = sweep_of(panels, truth, 3000, random);
+        Vector12d off = Vector12d::Zero();
+        off.segment<3>(0) << 0.8 * normal(random), 0.8 * normal(random), 0.05;
+        off[5] = 0.1 * normal(random);
+        const MotionState predicted = state_near(truth, off, 1, 0.2);
+        const auto finds_it = [&](const MotionState* start) {
+            const Registration found = register_sweep(map, sweep, predicted, fine, workers, start);
+            return difference(found.state, truth).head<3>().norm() < 0.02;
+        };
+        const Registration from_afar = register_sweep(map, sweep, predicted, coarse, workers);
+        alone += finds_it(nullptr) ? 1 : 0;
+        drawn_in += finds_it(&from_afar.state) ? 1 : 0;
+    }
+    EXPECT_GE(drawn_in, 18);
+    EXPECT_GT(drawn_in, alone);
+}
+
 TEST(Registration, does_not_depend_on_the_number_of_threads) {
     std::mt19937_64 random(6);
     const auto panels = yard();
