@@ -8,7 +8,7 @@ namespace {
 
 constexpr int pieces = 180;  ///< of a turn
 constexpr int learnt_sweeps = 5;
-constexpr float fewest = 4;  ///< returns in a piece
+constexpr double fewest = 4;  ///< returns in a piece
 constexpr float smooth_m =
     0.3F;                   ///< a piece across an edge has a larger standard deviation, and says nothing
 constexpr double most = 9;  ///< that one piece may count: somebody may pass by
@@ -40,11 +40,13 @@ double Standstill::change() const {
     for (std::size_t k = 0; k < now_.size(); ++k) {
         const Piece &a = now_[k], &b = learnt_[k];
         if (a.n < fewest || b.n < fewest) continue;
-        const double mean_a = a.sum_m / a.n, mean_b = b.sum_m / b.n;
+        const double mean_a = a.sum_m / a.n, mean_b = b.sum_m / b.n, freedom = a.n + b.n - 2;
         const double scatter_m2 =
-            std::max(0.0, b.squares_m2 / b.n - mean_b * mean_b) * b.n / (b.n - 1) + 1e-6;
+            std::max(0.0, a.squares_m2 - a.sum_m * mean_a + b.squares_m2 - b.sum_m * mean_b) / freedom + 1e-6;
         if (scatter_m2 > smooth_m * smooth_m) continue;
-        const double d2 = (mean_a - mean_b) * (mean_a - mean_b) / (scatter_m2 * (1 / a.n + 1 / b.n));
+        // Student's t, whose square has the mean freedom / (freedom - 2).
+        const double d2 = (mean_a - mean_b) * (mean_a - mean_b) / (scatter_m2 * (1 / a.n + 1 / b.n)) *
+                          (freedom - 2) / freedom;
         sum += std::min(d2, most);
         ++count;
     }

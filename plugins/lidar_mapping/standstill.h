@@ -12,7 +12,7 @@ class Standstill {
  public:
     /// Ranges of one ring in a piece of its turn.
     struct Piece {
-        float n = 0, sum_m = 0, squares_m2 = 0;
+        double n = 0, sum_m = 0, squares_m2 = 0;
     };
     /// True as long as nothing has changed since the first sweep. The sweep is learnt from if it is one of
     /// the first few.

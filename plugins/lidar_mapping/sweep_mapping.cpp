@@ -9,6 +9,8 @@ namespace {
 
 /// A sweep is sought farther around if it agrees with the map so much less than those before.
 constexpr double doubtful_part = 0.93, jerk_factor = 10;
+/// But not where the surroundings hold it no better than this: much would fit there.
+constexpr double clear_m = 0.01;
 
 /// Sweeps that go to the map wherever the vehicle is.
 constexpr std::uint64_t first_sweeps = 5;
@@ -99,7 +101,8 @@ void SweepMapping::follow(double duration_s) {
     const MotionState before = last_.state;
     last_ = register_sweep(map_, matched_, predict(before, duration_s, settings_.motion),
                            settings_.registration, workers_);
-    if (last_.agreement() < doubtful_part * usual_agreement_) search_wider(before, duration_s);
+    if (last_.agreement() < doubtful_part * usual_agreement_ && last_.degeneracy.weakest_sigma_m < clear_m)
+        search_wider(before, duration_s);
     usual_agreement_ += (last_.agreement() - usual_agreement_) / 10;
     if (stands_) last_.state = before;
 }
