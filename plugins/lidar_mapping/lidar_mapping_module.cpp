@@ -1,12 +1,12 @@
 #include "lidar_mapping/lidar_mapping_module.h"
 
 #include <mrpt/obs/CObservationOdometry.h>
-#include <mrpt/obs/CObservationRobotPose.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "api/observation_class.h"
+#include "api/pose_observation.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(LidarMappingModule, Module, loopline)
@@ -118,9 +118,7 @@ void LidarMappingModule::follow(const Waiting& now, Publisher& publisher) {
     Sweep sweep;
     sweep.sequence = now.sequence;
     sweep.stamp_ns = now.stamp_ns;
-    const auto& t = T_map_base.translation_m;
-    const auto& q = T_map_base.rotation;
-    sweep.T_map_base = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+    sweep.T_map_base = Pose3Record(T_map_base);
     Eigen::Map<Matrix6d>(sweep.covariance.data()) = placed.covariance;
     sweeps_.push_back(sweep);
     publish(now, T_map_base, placed.covariance, publisher);
@@ -147,19 +145,8 @@ LidarMappingModule::Placed LidarMappingModule::place(const lidar::SpinningScan& 
 
 void LidarMappingModule::publish(const Waiting& sweep, const Pose3& T_map_base, const Matrix6d& covariance,
                                  Publisher& publisher) const {
-    auto published = mrpt::obs::CObservationRobotPose::Create();
-    published->sensorLabel = published_label;
-    published->timestamp = sweep.timestamp;
-    published->pose.mean = mrpt::poses::CPose3D(
-        mrpt::math::CQuaternionDouble(T_map_base.rotation.w(), T_map_base.rotation.x(),
-                                      T_map_base.rotation.y(), T_map_base.rotation.z()),
-        T_map_base.translation_m.x(), T_map_base.translation_m.y(), T_map_base.translation_m.z());
-    // Our (shift, turn about x, y, z) as MRPT's (x y z yaw pitch roll), for an attitude that is nearly level.
-    constexpr int of_ours[6] = {0, 1, 2, 5, 4, 3};
-    for (int row = 0; row < 6; ++row)
-        for (int column = 0; column < 6; ++column)
-            published->pose.cov(row, column) = covariance(of_ours[row], of_ours[column]);
-    publisher.publish(published, sweep.sequence);
+    publisher.publish(pose_observation(published_label, sweep.timestamp, T_map_base, covariance),
+                      sweep.sequence);
 }
 
 void LidarMappingModule::finish(Results& results) {
@@ -168,12 +155,9 @@ void LidarMappingModule::finish(Results& results) {
             unusable_ > 0 ? "no sweep of the log has points that module lidar_mapping can use"
                           : "the log has no sweep of a spinning lidar, which module lidar_mapping is for; "
                             "see `loopline check` for what it has, and [lidar_mapping] sensors";
-    for (const Sweep sweep : sweeps_) {
-        const auto& v = sweep.T_map_base;
-        trajectory_.append(sweep.sequence, sweep.stamp_ns,
-                           Pose3({v[0], v[1], v[2]}, Eigen::Quaterniond(v[6], v[3], v[4], v[5])),
+    for (const Sweep sweep : sweeps_)
+        trajectory_.append(sweep.sequence, sweep.stamp_ns, sweep.T_map_base.pose(),
                            Matrix6d(Eigen::Map<const Matrix6d>(sweep.covariance.data())));
-    }
     results.metrics["map_cells"] = static_cast<std::int64_t>(mapping_->map().cells());
     results.metrics["scans_degenerate"] = degenerate_;
     if (unusable_ > 0) results.metrics["scans_unusable"] = unusable_;

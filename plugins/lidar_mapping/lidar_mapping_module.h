@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "api/module.h"
+#include "api/pose3_record.h"
 #include "api/set_aside.h"
 #include "lidar/observation_scan.h"
 #include "lidar_mapping/published_odometry.h"
@@ -34,7 +35,7 @@ class LidarMappingModule : public Module {
     struct Sweep {
         std::uint64_t sequence = 0;
         StampNs stamp_ns = 0;
-        std::array<double, 7> T_map_base{};  ///< x, y, z, qx, qy, qz, qw
+        Pose3Record T_map_base;
         std::array<double, 36> covariance{};
     };
     /// A sweep on its way; with an odometry it waits for the pose of its time.

@@ -204,7 +204,6 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
         const HeldDirections held(sums, settings.sigma_degenerate_m);
         result.degeneracy = held.degeneracy();
         const Evidence scan(sums, held);
-        result.information = scan.information.topLeftCorner<6, 6>();
         information = scan.information + prior;
         const Vector12d step =
             information.ldlt().solve(scan.gradient + prior * difference(predicted, result.state));

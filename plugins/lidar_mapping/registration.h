@@ -31,8 +31,6 @@ struct Degeneracy {
 
 struct Registration {
     MotionState state;  ///< in the middle of the sweep
-    /// Of the sweep alone: (shift, turn) along map axes, about the vehicle's own position.
-    Matrix6d information = Matrix6d::Zero();
     Degeneracy degeneracy;
     double fit = 0;  ///< part of the points on a surface
     double rms_sigmas = 0;
