@@ -1,15 +1,18 @@
 #include "lidar_mapping/registration.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "least_squares/held_directions.h"
 
 namespace loopline::lidar_mapping {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using least_squares::HeldDirections;
 
 /// Of residuals e(x), x = (pose, velocity): a point seen s seconds after the middle of the sweep moves with
 /// the velocity s times as much as with the pose, so three sums over the pose's Jacobians hold all.
@@ -78,37 +81,13 @@ struct NormalEquations {
     }
 };
 
-/// What a sweep says about (shift, turn), by directions, a turn counting by what it moves at the mean range.
-class HeldDirections {
- public:
-    HeldDirections(const NormalEquations& sums, double sigma_limit_m)
-        : least_(1 / (sigma_limit_m * sigma_limit_m)) {
-        const double range_m = std::max(1.0, sums.range_m / std::max(1, sums.used));
-        scale_ << 1, 1, 1, 1 / range_m, 1 / range_m, 1 / range_m;
-        eigen_.compute(scale_.asDiagonal() * (sums.all.pose - uncertain_chance * sums.chance.pose) *
-                       scale_.asDiagonal());
-    }
-    /// Onto the directions that the sweep holds: T with T real T' what counts of it.
-    Matrix6d onto() const {
-        const Vector6d kept = (eigen_.eigenvalues().array() < least_).select(0, Vector6d::Ones());
-        return scale_.cwiseInverse().asDiagonal() * eigen_.eigenvectors() * kept.asDiagonal() *
-               eigen_.eigenvectors().transpose() * scale_.asDiagonal();
-    }
-    Degeneracy degeneracy() const {
-        Degeneracy result;
-        result.free_directions = static_cast<int>((eigen_.eigenvalues().array() < least_).count());
-        result.weakest_sigma_m = 1 / std::sqrt(std::max(eigen_.eigenvalues()[0], 1e-6));
-        result.weakest = scale_.asDiagonal() * eigen_.eigenvectors().col(0);
-        return result;
-    }
-
- private:
-    /// Chance is known in the mean; what it is in a sweep differs from that.
-    static constexpr double uncertain_chance = 1.5;
-    double least_;
-    Vector6d scale_;
-    Eigen::SelfAdjointEigenSolver<Matrix6d> eigen_;
-};
+/// What a sweep says about (shift, turn). Chance is known in the mean; what it is in a sweep differs from
+/// that.
+HeldDirections held_by(const NormalEquations& sums, double sigma_limit_m) {
+    constexpr double uncertain_chance = 1.5;
+    return {sums.all.pose - uncertain_chance * sums.chance.pose,
+            std::max(1.0, sums.range_m / std::max(1, sums.used)), sigma_limit_m};
+}
 
 /// On (pose, velocity): the sweep's own optimum R^-1 g, R what is real, has the covariance R^-1 A R^-1.
 struct Evidence {
@@ -116,7 +95,7 @@ struct Evidence {
     Vector12d gradient;
 
     Evidence(const NormalEquations& sums, const HeldDirections& held) {
-        const Matrix6d P = held.onto();
+        const Matrix6d P = held.projection().transpose();
         Matrix12d onto = Matrix12d::Zero();
         onto.topLeftCorner<6, 6>() = onto.bottomRightCorner<6, 6>() = P;
         const Matrix12d all = sums.all.matrix(),
@@ -201,8 +180,8 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
     for (int i = 0; i < settings.iterations && !result.converged; ++i) {
         ++result.iterations;
         sums = linearise(map, points, result.state, settings, workers);
-        const HeldDirections held(sums, settings.sigma_degenerate_m);
-        result.degeneracy = held.degeneracy();
+        const HeldDirections held = held_by(sums, settings.sigma_degenerate_m);
+        result.degeneracy = {held.free_count(), held.weakest_sigma_m(), held.weakest()};
         const Evidence scan(sums, held);
         information = scan.information + prior;
         const Vector12d step =

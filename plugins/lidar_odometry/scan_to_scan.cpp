@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lidar_odometry/held_directions.h"
+#include "least_squares/held_directions.h"
 
 namespace loopline::lidar_odometry {
 namespace {
+
+using least_squares::HeldDirections;
 
 /// A point of this sweep and what it is drawn to.
 struct Pair {
@@ -220,7 +222,8 @@ void Matcher::finish(MatchedMotion& result) const {
     result.support = weights / std::max<double>(1, static_cast<double>(edges_.size() + planar_.size()));
     result.rms_sigmas = std::sqrt(squares / std::max(1.0, weights));
     const HeldDirections directions = held(result.T_before_now, linearise(result.T_before_now).H);
-    result.free = directions.free();
+    result.free = {directions.free_count(), directions.weakest_sigma_m(), directions.weakest().normalized(),
+                   directions.weakest_moves_m()};
     // What the model leaves unexplained counts as noise.
     const double per_scatter = 1 / std::max(1.0, result.rms_sigmas * result.rms_sigmas);
     result.covariance = (per_scatter * directions.information() + prior_).inverse();

@@ -1,18 +1,21 @@
-/// Which directions of motion the scene holds, and which it leaves free. Zhang, Kaess, Singh 2016, "On
-/// degeneracy of optimization-based state estimation problems": eigenvectors of the information whose
+/// Which directions of a motion in space the scene holds, and which it leaves free. Zhang, Kaess, Singh 2016,
+/// "On degeneracy of optimization-based state estimation problems": eigenvectors of the information whose
 /// eigenvalue is small are left out of the solution.
 #pragma once
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
-#include "lidar_odometry/scan_to_scan.h"
-
-namespace loopline::lidar_odometry {
+namespace loopline::least_squares {
 
 class HeldDirections {
  public:
-    /// `information` on (shift, turn); a turn counts by what it moves at `range_m`.
+    using Vector6d = Eigen::Matrix<double, 6, 1>;
+    using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+    /// `information` on (shift, turn); a turn counts by what it moves at `range_m`. A direction that is held
+    /// no better than `sigma_limit_m` is free.
     HeldDirections(const Matrix6d& information, double range_m, double sigma_limit_m)
         : least_(1 / (sigma_limit_m * sigma_limit_m)) {
         scale_ << 1, 1, 1, 1 / range_m, 1 / range_m, 1 / range_m;
@@ -20,7 +23,14 @@ class HeldDirections {
     }
 
     bool all() const { return !(eigen_.eigenvalues()[0] < least_); }
-    /// Onto what is held.
+    int free_count() const { return static_cast<int>((eigen_.eigenvalues().array() < least_).count()); }
+    /// Standard deviation along the direction that is held least.
+    double weakest_sigma_m() const { return 1 / std::sqrt(std::max(eigen_.eigenvalues()[0], 1e-6)); }
+    /// That direction, of length 1 with a turn as what it moves at the range.
+    Vector6d weakest_moves_m() const { return eigen_.eigenvectors().col(0); }
+    /// The same as (shift, turn).
+    Vector6d weakest() const { return scale_.asDiagonal() * weakest_moves_m(); }
+    /// Of a (shift, turn) onto what is held; its transpose, of an information or a gradient.
     Matrix6d projection() const {
         return scale_.asDiagonal() * eigen_.eigenvectors() * held().asDiagonal() *
                eigen_.eigenvectors().transpose() * scale_.cwiseInverse().asDiagonal();
@@ -29,14 +39,6 @@ class HeldDirections {
     Matrix6d information() const {
         const Matrix6d axes = scale_.cwiseInverse().asDiagonal() * eigen_.eigenvectors();
         return axes * held().cwiseProduct(eigen_.eigenvalues()).asDiagonal() * axes.transpose();
-    }
-    FreeDirections free() const {
-        FreeDirections result;
-        result.count = static_cast<int>((eigen_.eigenvalues().array() < least_).count());
-        result.weakest_sigma_m = 1 / std::sqrt(std::max(eigen_.eigenvalues()[0], 1e-6));
-        result.weakest_moves_m = eigen_.eigenvectors().col(0);
-        result.weakest = (scale_.asDiagonal() * result.weakest_moves_m).normalized();
-        return result;
     }
 
  private:
@@ -50,4 +52,4 @@ class HeldDirections {
     Eigen::SelfAdjointEigenSolver<Matrix6d> eigen_;
 };
 
-}  // namespace loopline::lidar_odometry
+}  // namespace loopline::least_squares
