@@ -41,18 +41,21 @@ TEST(LidarMapping, follows_a_street_and_gives_the_same_bytes_for_any_number_of_t
     EXPECT_EQ(paths[0], paths[1]);
 }
 
-TEST(LidarMapping, says_so_where_a_log_has_no_sweep) {
+TEST(LidarMapping, says_so_where_a_log_has_no_sweep_and_so_does_the_odometry) {
     const TemporaryFolder folder;
-    const std::string ini = (folder / "run.ini").string(), log = (folder / "square.rawlog").string();
+    const std::string log = (folder / "square.rawlog").string();
     std::ofstream(folder / "square.ini")
         << "[simulation]\nsensors = wheels\n[world]\nwall_m = -1 -1  3 "
            "-1\n[route]\ndrive = pushed\nwaypoint_m = 0 0\nwaypoint_m = 2 0\n";
     ASSERT_EQ(run_loopline({"simulate", (folder / "square.ini").string(), "--out", log}).exit_code, 0);
-    std::ofstream(ini) << "[run]\nrawlog = " << log
-                       << "\nmodules = lidar_mapping\n[evaluation]\ntruth_beside_log = false\n";
-    const auto result = run_loopline({"run", ini, "--out", (folder / "out").string()});
-    EXPECT_EQ(result.exit_code, 4);
-    EXPECT_NE(result.err.find("no sweep of a spinning lidar"), std::string::npos) << result.err;
+    for (const std::string module : {"lidar_mapping", "lidar_odometry"}) {
+        const std::string ini = (folder / (module + ".ini")).string();
+        std::ofstream(ini) << "[run]\nrawlog = " << log << "\nmodules = " << module
+                           << "\n[evaluation]\ntruth_beside_log = false\n";
+        const auto result = run_loopline({"run", ini, "--out", (folder / module).string()});
+        EXPECT_EQ(result.exit_code, 4);
+        EXPECT_NE(result.err.find("no sweep of a spinning lidar"), std::string::npos) << result.err;
+    }
 }
 
 TEST(LidarMapping, follows_packets_of_a_velodyne_by_their_own_times) {

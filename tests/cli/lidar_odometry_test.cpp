@@ -75,17 +75,3 @@ TEST(LidarOdometryRuns, an_odometry_that_never_comes_is_warned_of) {
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_NE(result.err.find("odometry = nobody"), std::string::npos) << result.err;
 }
-
-TEST(LidarOdometryRuns, say_so_where_a_log_has_no_sweep) {
-    const TemporaryFolder folder;
-    const std::string ini = (folder / "run.ini").string(), log = (folder / "square.rawlog").string();
-    std::ofstream(folder / "square.ini")
-        << "[simulation]\nsensors = wheels\n[world]\nwall_m = -1 -1  3 "
-           "-1\n[route]\ndrive = pushed\nwaypoint_m = 0 0\nwaypoint_m = 2 0\n";
-    ASSERT_EQ(run_loopline({"simulate", (folder / "square.ini").string(), "--out", log}).exit_code, 0);
-    std::ofstream(ini) << "[run]\nrawlog = " << log
-                       << "\nmodules = lidar_odometry\n[evaluation]\ntruth_beside_log = false\n";
-    const auto result = run_loopline({"run", ini, "--out", (folder / "out").string()});
-    EXPECT_EQ(result.exit_code, 4);
-    EXPECT_NE(result.err.find("no sweep of a spinning lidar"), std::string::npos) << result.err;
-}

@@ -4,9 +4,7 @@
 #include <Eigen/LU>
 #include <random>
 
-#include "api/pose_observation.h"
 #include "inertial/rotation_vector.h"
-#include "lidar_mapping/published_odometry.h"
 #include "lidar_odometry/sweep_odometry.h"
 #include "support/spinning_world.h"
 
@@ -382,131 +380,6 @@ TEST(LidarOdometry, finds_the_speed_at_the_start_and_follows) {
     // A sweep that is no later changes nothing.
     EXPECT_FALSE(odometry.add(sweep_in(world, T_at, 100000000LL * 11, {16, 600}, random)));
     EXPECT_EQ(odometry.latest().T_map_base.translation_m, step.T_map_base.translation_m);
-}
-
-/// Errors of poses, put through both forms.
-TEST(PoseObservation, keeps_pose_and_covariance) {
-    std::mt19937_64 random(11);
-    std::normal_distribution<double> normal;
-    const Pose3 T({1, -2, 3}, inertial::exp_so3({0.3, -0.5, 2}));
-    Matrix6d A;
-    for (int i = 0; i < 36; ++i) A(i) = 1e-3 * normal(random);
-    const Matrix6d covariance = A * A.transpose();
-    const auto observation = pose_observation("a", stamp_to_mrpt(1000000000), T, covariance);
-    const PoseWithCovariance back = pose_of(*observation);
-    EXPECT_LT((back.T_map_base.translation_m - T.translation_m).norm(), 1e-12);
-    EXPECT_LT(back.T_map_base.rotation.angularDistance(T.rotation), 1e-9);
-    EXPECT_LT((back.covariance - covariance).norm(), 1e-9 * covariance.norm());
-    Matrix6d sampled = Matrix6d::Zero();
-    constexpr int samples = 20000;
-    for (int k = 0; k < samples; ++k) {
-        Vector6d unit;
-        for (int i = 0; i < 6; ++i) unit[i] = normal(random);
-        const Vector6d error = A * unit;
-        const auto moved = pose_observation(
-            "a", stamp_to_mrpt(1000000000),
-            {T.translation_m + error.head<3>(), inertial::exp_so3(error.tail<3>()) * T.rotation}, covariance);
-        Vector6d off;
-        const auto &m = moved->pose.mean, &o = observation->pose.mean;
-        off << m.x() - o.x(), m.y() - o.y(), m.z() - o.z(), m.yaw() - o.yaw(), m.pitch() - o.pitch(),
-            m.roll() - o.roll();
-        sampled += off * off.transpose() / samples;
-    }
-    EXPECT_LT((sampled - Matrix6d(observation->pose.cov.asEigen())).norm(), 0.05 * sampled.norm());
-}
-
-/// Poses of an odometry at 0, 0.1, 0.2 s; the covariance of the way is what it added.
-TEST(PublishedOdometry, tells_the_motion_between_two_times_and_its_covariance) {
-    using namespace lidar_mapping;
-    PublishedOdometrySettings settings;
-    settings.label = "odo";
-    settings.sigma_m = 1e-6;
-    settings.sigma_rad = 1e-6;
-    PublishedOdometry odometry(settings);
-    const Twist3 velocity{{5, 0, 0.1}, {0, 0.1, 0.4}};
-    const Pose3 first({100, 50, 2}, inertial::exp_so3({0.2, 0.1, 1}));
-    Matrix6d step = Matrix6d::Zero();
-    step.diagonal() << 4e-4, 1e-4, 1e-4, 1e-6, 1e-6, 2e-6;
-    Matrix6d covariance = 1e-2 * Matrix6d::Identity();
-    Pose3 T = first;
-    for (int k = 0; k < 3; ++k) {
-        const auto stamp = stamp_to_mrpt(1000000000LL + 100000000LL * k);
-        EXPECT_FALSE(odometry.take(*pose_observation("another", stamp, T, covariance)));
-        EXPECT_TRUE(odometry.take(*pose_observation("odo", stamp, T, covariance)));
-        const Pose3 next = T * exp_se3(velocity * 0.1);
-        Matrix6d F = Matrix6d::Identity(), R = Matrix6d::Zero();
-        F.topRightCorner<3, 3>() = -inertial::cross_matrix(next.translation_m - T.translation_m);
-        R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = T.rotation.toRotationMatrix();
-        covariance = F * covariance * F.transpose() + R * step * R.transpose();
-        T = next;
-    }
-    EXPECT_TRUE(odometry.reaches(1200000000));
-    EXPECT_FALSE(odometry.reaches(1200000001));
-    // Half a step beyond the last pose.
-    const auto given = odometry.motion(1150000000, 1250000000);
-    ASSERT_TRUE(given);
-    EXPECT_FALSE(given->planar);
-    EXPECT_LT(off_by(given->T_last_now, exp_se3(velocity * 0.1)).norm(), 1e-9);
-    EXPECT_LT((given->velocity.shift_m - velocity.shift_m).norm(), 1e-9);
-    EXPECT_LT((given->covariance - step).norm(), 0.01 * step.norm());
-}
-
-/// A pose with an error and a motion with one, put together.
-TEST(GivenMotion, prediction_has_the_covariance_of_samples) {
-    using namespace lidar_mapping;
-    std::mt19937_64 random(12);
-    std::normal_distribution<double> normal;
-    MotionState state = first_state({});
-    state.T_map_base = {{10, 5, 1}, inertial::exp_so3({0.05, -0.1, 1.2})};
-    Vector6d sigma, sigma_given;
-    sigma << 0.1, 0.2, 0.1, 0.01, 0.02, 0.03;
-    sigma_given << 0.05, 0.02, 0.03, 0.01, 0.004, 0.02;
-    state.covariance.topLeftCorner<6, 6>() = sigma.cwiseAbs2().asDiagonal();
-    GivenMotion given;
-    given.T_last_now = exp_se3({{2, 0.1, 0}, {0, 0.05, 0.2}});
-    given.covariance = sigma_given.cwiseAbs2().asDiagonal();
-    given.velocity = {{20, 0, 0}, {0, 0, 2}};
-    const MotionState predicted = predict(state, given, 0.1, {});
-    EXPECT_LT(off_by(predicted.T_map_base, state.T_map_base * given.T_last_now).norm(), 1e-12);
-    EXPECT_EQ(predicted.velocity.shift_m, given.velocity.shift_m);
-    Matrix6d sum = Matrix6d::Zero();
-    constexpr int samples = 20000;
-    for (int k = 0; k < samples; ++k) {
-        Vector6d e, g;
-        for (int i = 0; i < 6; ++i) {
-            e[i] = sigma[i] * normal(random);
-            g[i] = sigma_given[i] * normal(random);
-        }
-        const auto put = [](const Pose3& T, const Vector6d& x) {
-            return Pose3(T.translation_m + x.head<3>(), inertial::exp_so3(x.tail<3>()) * T.rotation);
-        };
-        const Pose3 T = put(state.T_map_base, e) * put(given.T_last_now, g);
-        Vector6d off;
-        off << T.translation_m - predicted.T_map_base.translation_m,
-            inertial::log_so3(T.rotation * predicted.T_map_base.rotation.conjugate());
-        sum += off * off.transpose() / samples;
-    }
-    const Matrix6d covariance = predicted.covariance.topLeftCorner<6, 6>();
-    EXPECT_LT((sum - covariance).norm(), 0.05 * covariance.norm());
-}
-
-/// What wheels do not tell goes on as it was.
-TEST(GivenMotion, of_wheels_changes_shift_and_heading_only) {
-    using namespace lidar_mapping;
-    MotionState state = first_state({});
-    state.velocity = {{8, 0, 0.5}, {0.1, -0.2, 0}};
-    GivenMotion given;
-    given.planar = true;
-    given.T_last_now = exp_se3({{0.6, 0.02, 0}, {0, 0, 0.05}});
-    given.velocity = {{6, 0.2, 0}, {0, 0, 0.5}};
-    given.covariance = 1e-4 * Matrix6d::Identity();
-    const MotionState predicted = predict(state, given, 0.1, {3, 1.5, 1, 0.3});
-    const Twist3 moved = log_se3(predicted.T_map_base);
-    EXPECT_LT((moved.shift_m - Eigen::Vector3d(0.6, 0.02, 0.05)).norm(), 1e-9);
-    EXPECT_LT((moved.turn_rad - Eigen::Vector3d(0.01, -0.02, 0.05)).norm(), 1e-9);
-    EXPECT_EQ(predicted.velocity.shift_m, Eigen::Vector3d(6, 0.2, 0.5));
-    const Matrix6d covariance = predicted.covariance.topLeftCorner<6, 6>();
-    EXPECT_NEAR(covariance(2, 2) - covariance(1, 1), 0.03 * 0.03 - 1e-4, 1e-4);
 }
 
 }  // namespace

@@ -240,7 +240,8 @@ TEST(SpinningScanReader, packets_of_a_turn_give_its_points_at_their_own_times) {
         geometry.elevations_deg = table_of_beams(beams)->elevations_deg;
         std::vector<std::uint16_t> ranges;
         for (int row = 0; row < beams; ++row)
-            for (int k = 0; k < columns; ++k) ranges.push_back(static_cast<std::uint16_t>(5000 + 30 * row + k));
+            for (int k = 0; k < columns; ++k)
+                ranges.push_back(static_cast<std::uint16_t>(5000 + 30 * row + k));
         const auto image = rotating_scan(geometry, table_of_beams(beams)->model, ranges);
         image->timestamp = mrpt::Clock::fromDouble(1.4e9);
         image->minRange = 1;
