@@ -1,8 +1,10 @@
 #include "lidar_mapping/sweep_mapping.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "inertial/rotation_vector.h"
+#include "lidar_mapping/place_noise.h"
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -24,36 +26,6 @@ MotionState standing_state() {
     return state;
 }
 
-/// Of a sweep against those just before it. What a vehicle that nothing holds has gone astray, it has
-/// together with them, and the surfaces that it sees now are sound.
-Matrix6d against_neighbours(const Matrix6d& pose_covariance) {
-    constexpr double most_m = 0.2;
-    const double variance_m2 = pose_covariance.topLeftCorner<3, 3>().trace();
-    return std::min(1.0, most_m * most_m / variance_m2) * pose_covariance;
-}
-
-/// Where in the map a return lies is uncertain by its range and by the pose.
-class PlaceNoise {
- public:
-    PlaceNoise(const Matrix6d& pose_covariance, double sigma_range_m)
-        : range_m2_(static_cast<float>(sigma_range_m * sigma_range_m)),
-          shift_(pose_covariance.topLeftCorner<3, 3>().cast<float>()),
-          turn_(pose_covariance.bottomRightCorner<3, 3>().cast<float>()),
-          both_(pose_covariance.topRightCorner<3, 3>().cast<float>()) {}
-    /// At `arm_m` from the vehicle, along map axes.
-    Eigen::Matrix3f covariance_m2(const Eigen::Vector3f& arm_m, const Eigen::Vector3f& beam_map) const {
-        Eigen::Matrix3f by_turn;  // of the place, -[arm]x
-        by_turn << 0, arm_m.z(), -arm_m.y(), -arm_m.z(), 0, arm_m.x(), arm_m.y(), -arm_m.x(), 0;
-        const Eigen::Matrix3f cross = both_ * by_turn.transpose();
-        return range_m2_ * beam_map * beam_map.transpose() + shift_ + cross + cross.transpose() +
-               by_turn * turn_ * by_turn.transpose();
-    }
-
- private:
-    float range_m2_;
-    Eigen::Matrix3f shift_, turn_, both_;
-};
-
 }  // namespace
 
 const Registration& SweepMapping::add(const lidar::SpinningScan& scan, const GivenMotion* given) {
@@ -67,10 +39,11 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan, const Giv
         begin(seconds_between(scan.stamp_ns, middle_ns));
     else if (given != nullptr && duration_s > 0)
         follow_given(duration_s, *given);
-    else if (sweeps_ == 1)
-        follow_first(duration_s);
-    else
+    else if (sweeps_ > 1)
         follow(duration_s);
+    else if (!stands_)
+        follow_first(duration_s);
+    if (sweeps_ == 1) first_ = {};
     carry_covariance(last_.state.T_map_base.translation_m - before_m);
     ++sweeps_;
     last_ns_ = middle_ns;
@@ -157,13 +130,8 @@ void SweepMapping::follow_first(double duration_s) {
             log_se3(first.T_map_base.inverse() * start.found.state.T_map_base) * (1 / duration_s);
         return start;
     };
-    if (stands_) {
-        first_.clear();
-        return;
-    }
     if (!(duration_s > 0)) {
         last_ = try_from({}, settings_.registration);
-        first_.clear();
         return;
     }
     Start best = try_speed(0);
@@ -176,8 +144,6 @@ void SweepMapping::follow_first(double duration_s) {
         if (better) best = tried;
     }
     last_ = try_from(best.velocity, settings_.registration);
-    first_.clear();
-    first_.shrink_to_fit();
 }
 
 /// As another odometry has it. It also tells the velocity of the first sweep.
@@ -186,8 +152,6 @@ void SweepMapping::follow_given(double duration_s, const GivenMotion& given) {
         last_.state = moving_first(given.velocity);
         map_.clear();
         add_to_map(first_, last_.state);
-        first_.clear();
-        first_.shrink_to_fit();
     }
     last_ = register_sweep(map_, matched_, predict(last_.state, given, duration_s, settings_.motion),
                            settings_.registration, workers_);
