@@ -179,11 +179,25 @@ TEST_F(Supervisor, the_first_interruption_asks_to_stop_and_the_second_ends_at_on
         ::kill(::getppid(), SIGTERM);
         while (!attempt.rules.state->stop_requested)
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        std::this_thread::sleep_for(std::chrono::milliseconds(400));
         ::kill(::getppid(), SIGINT);
         for (;;) std::this_thread::sleep_for(std::chrono::seconds(1));
     });
     EXPECT_EQ(twice.code, 130);
     EXPECT_NE(twice.said.find("ended at once"), std::string::npos) << twice.said;
+}
+
+TEST_F(Supervisor, an_interruption_that_is_delivered_twice_is_one) {
+    const auto interrupted = supervised(supervision_, [](const Attempt& attempt) {
+        ::kill(::getppid(), SIGINT);
+        while (!attempt.rules.state->stop_requested)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ::kill(::getppid(), SIGINT);  // as `timeout` does
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        return 130;
+    });
+    EXPECT_EQ(interrupted.code, 130);
+    EXPECT_EQ(interrupted.said, "");
 }
 
 TEST_F(Supervisor, an_interruption_that_reaches_another_thread_of_the_program_asks_to_stop_too) {

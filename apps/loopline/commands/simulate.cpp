@@ -12,6 +12,7 @@
 #include <map>
 
 #include "api/trajectory.h"
+#include "commands/interruption.h"
 #include "config/plugin_loader.h"
 #include "config/scenario.h"
 #include "output/output_file.h"
@@ -24,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 volatile std::sig_atomic_t interrupted = 0;
+Interruption interruption;
 
 /// While a log is made, SIGINT and SIGTERM end it without leaving half a file; a second one ends it at once.
 class InterruptGuard {
@@ -32,7 +34,9 @@ class InterruptGuard {
         for (const int signal : {SIGINT, SIGTERM})
             std::signal(signal, [](int received) {
                 interrupted = 1;
+                if (interruption.received() == Interruption::Wish::stop) return;
                 std::signal(received, SIG_DFL);
+                std::raise(received);
             });
     }
     ~InterruptGuard() {

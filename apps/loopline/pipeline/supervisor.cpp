@@ -13,6 +13,7 @@
 #include <new>
 
 #include "commands/command.h"
+#include "commands/interruption.h"
 #include "commands/terminal.h"
 #include "pipeline/archive_reader.h"
 
@@ -185,7 +186,7 @@ class Supervisor {
             const int signal = signals_.wait(poll_interval);
             if (signal == SIGINT || signal == SIGTERM) {
                 // A terminal sends the first one to the worker too, whose handler has then set the same flag.
-                if (interruptions_++ > 0) {
+                if (interruption_.received() == Interruption::Wish::stop_at_once) {
                     ending.interrupted = true;
                     ::kill(worker, SIGKILL);
                 }
@@ -287,7 +288,7 @@ class Supervisor {
     SharedState state_;
     AwaitedSignals signals_;
     Attempt attempt_;
-    int interruptions_ = 0;
+    Interruption interruption_;
     bool reading_checked_ = false;
 };
 

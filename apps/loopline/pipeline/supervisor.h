@@ -47,7 +47,7 @@ struct Supervision {
 Supervision supervision_of(const Experiment& experiment);
 
 /// Runs `work` in a worker process and returns its exit code. SIGINT and SIGTERM set the state's
-/// stop_requested, a second one ends the worker at once (exit code 130). Exceptions that leave `work`: a
+/// stop_requested, a second wish (interruption.h) ends the worker at once (exit code 130). Exceptions that leave `work`: a
 /// CommandError is printed, its code returned; any other is a failure of the stage that the state tells. If
 /// the worker can't be brought to its end, one sentence on stderr says why, and the exit code is 4, or 137 if
 /// it was killed from outside.
