@@ -11,6 +11,8 @@ namespace loopline::grid_slam {
 namespace {
 
 const char* const by_the_ini = "refused by the .ini";
+/// Frames no farther apart than so many times frame_way_m and frame_turn_rad are of one place.
+constexpr double known_around = 3;
 
 grid_map::ScanGridSettings active_grid(const GridSlamSettings& settings) {
     grid_map::ScanGridSettings grid;
@@ -89,8 +91,12 @@ void GridSlam::settle_on_frame(const ForwardMatch& match) {
         ride(frame, away(frame), turned(match.covariance, -map_.poses[frame].phi_rad));
     };
     const std::uint32_t before = rides_on();
-    const bool map_is_right = match.matched && match.fit >= settings_.new_fit;
     const bool named = decisions_.is_named(stamp_ns_);
+    // What shows nothing adds nothing to the map; frames there only let a correction be spread along the way.
+    if (static_cast<int>(frame_.points.size()) < settings_.forward.min_returns && !named &&
+        away(before).translation().norm() < settings_.blind_way_m)
+        return ride(before, away(before), since_frame_.covariance);
+    const bool map_is_right = match.matched && match.fit >= settings_.new_fit;
     if (is_near(away(before)) && !named) return ride_on(before);
     if (map_is_right && !named)
         if (const auto other = near_frame(match.T_map_base)) {
@@ -102,20 +108,27 @@ void GridSlam::settle_on_frame(const ForwardMatch& match) {
     ride(map_.last(), Pose2{}, turned(match.covariance, -map_.poses[map_.last()].phi_rad));
 }
 
+/// The frame that a scan may ride on: the nearest if it is near, or, where earlier visits have left enough of
+/// them, the nearest of the place. So what a place costs does not grow from visit to visit.
 std::optional<std::uint32_t> GridSlam::near_frame(const Pose2& T_map_base) const {
     std::optional<std::uint32_t> nearest;
-    double nearest_away = 1;
+    double nearest_away = known_around;
+    std::size_t known = 0;
     for (const std::uint32_t frame : active_.active()) {
         const double way =
             (map_.poses[frame].translation() - T_map_base.translation()).norm() / settings_.frame_way_m;
-        if (way >= nearest_away) continue;
+        if (way >= known_around) continue;
         const double turn =
             std::abs(wrap_to_pi(map_.poses[frame].phi_rad - T_map_base.phi_rad)) / settings_.frame_turn_rad;
-        if (std::max(way, turn) >= nearest_away) continue;
-        nearest_away = std::max(way, turn);
+        const double away = std::max(way, turn);
+        if (away >= known_around) continue;
+        known += way_m_ - map_.path_m[frame] > settings_.links.visit_m ? 1 : 0;
+        if (away >= nearest_away) continue;
+        nearest_away = away;
         nearest = frame;
     }
-    return nearest;
+    if (nearest_away < 1 || known >= settings_.known_frames) return nearest;
+    return std::nullopt;
 }
 
 void GridSlam::add_frame(const ForwardMatch& match) {

@@ -33,8 +33,10 @@ struct GridSlamSettings {
     double frame_way_m = 0.1;                ///< a scan so far from all frames of the map becomes one
     double frame_turn_rad = 3 * M_PI / 180;  ///< or one so turned
     double new_fit = 0.8;                    ///< or one that fits worse than this
-    double choose_every_m = 1;               ///< way after which the active map is chosen anew
-    double relink_m = 4;                     ///< way before a loop whose frames are linked to the old map
+    double blind_way_m = 0.5;  ///< one that sees nothing becomes one if so far from where it saw something
+    std::size_t known_frames = 3;  ///< where earlier visits have left so many, no others are made
+    double choose_every_m = 1;     ///< way after which the active map is chosen anew
+    double relink_m = 4;           ///< way before a loop whose frames are linked to the old map
     double worth_m = 0.03;  ///< constraints that disagree with the poses by less wait for the next correction
     double worth_rad = 0.5 * M_PI / 180;
     GraphSettings online_graph{4, 2e-3, 3};  ///< of corrections on the way
@@ -60,8 +62,8 @@ struct Correction {
 class GridSlam {
  public:
     explicit GridSlam(const GridSlamSettings& settings);
-    /// What is known of each scan, and the frames of the map, go there from now on; they stay in memory if the
-    /// folder has no name. Before the first scan.
+    /// What is known of each scan, and the frames of the map, go there from now on; they stay in memory if
+    /// the folder has no name. Before the first scan.
     void keep_in(const std::filesystem::path& folder) {
         places_.keep_in(folder, "grid_slam_places");
         map_.frames.keep_in(folder);
@@ -144,9 +146,9 @@ class GridSlam {
     std::vector<Constraint> found_;  ///< the loop at hand
     std::vector<Constraint> constraints_;
     Neighbourhood neighbourhood_;
-    SetAside<Place> places_;     ///< of all scans
-    Place latest_;               ///< of them
-    Motion since_frame_;         ///< from the frame that the vehicle rides on, without matching
+    SetAside<Place> places_;  ///< of all scans
+    Place latest_;            ///< of them
+    Motion since_frame_;      ///< from the frame that the vehicle rides on, without matching
     double way_m_ = 0, chosen_at_m_ = 0;
     std::optional<GraphOptimiser> correction_;
     std::size_t correction_frames_ = 0;

@@ -121,6 +121,7 @@ void GridSlamModule::report_loops(Results& results) const {
                                            c.after, c.reverse_first, c.reverse});
     PoseGraph graph;
     graph.poses = slam_->map().poses;
+    graph.constraints.reserve(slam_->constraints().size());
     for (const Constraint& c : slam_->constraints())
         graph.constraints.push_back({c.from, c.to, c.T_from_to, c.information});
     results.pose_graph = std::move(graph);

@@ -158,25 +158,26 @@ TEST(LoopSearch, refuses_a_corridor_without_features) {
 struct Path {
     std::vector<Pose2> poses;
     std::vector<Eigen::Matrix3d> covariances;
-    std::size_t loops = 0;
+    std::size_t loops = 0, frames = 0;
     std::uint64_t motions_refused = 0;
 };
 
 /// `slips`: what wheels say too much between a scan and the next one, many times their noise.
 Path path_of_ring(const std::vector<Pose2>& truth, std::uint64_t seed, Weights weights = Weights::joint,
-                  const std::map<std::size_t, Pose2>& slips = {}) {
+                  const std::map<std::size_t, Pose2>& slips = {}, double active_sigma_m = 0.05) {
     std::mt19937_64 random(seed);
     const auto world = test::ring_building();
     auto motions = test::noisy_motions(truth, {0.01, 0.01, 0.3 * deg}, random);
     for (const auto& [k, slip] : slips) motions[k].T_before_now = motions[k].T_before_now * slip;
     GridSlamSettings settings;
     settings.weights = weights;
-    settings.active.sigma_m = 0.05;  // what is behind is soon too uncertain to match with
+    settings.active.sigma_m = active_sigma_m;  // 0.05: what is behind is soon too uncertain to match with
     GridSlam slam{settings};
     test::map_drive(slam, world, truth, motions, sensor_270, stamp, random);
     Path path;
     slam.path(path.poses, path.covariances);
     path.motions_refused = slam.motions_refused();
+    path.frames = slam.map().size();
     for (const LoopRecord& record : slam.loops())
         path.loops += record.decision == LoopRecord::Decision::accepted;
     return path;
@@ -208,6 +209,26 @@ TEST(GridSlam, gives_the_path_of_a_ring_and_the_same_bytes_each_time) {
     EXPECT_LT(rmse_m(path, truth), 0.02);
     EXPECT_LT(worst_rad, 0.3 * deg);
     EXPECT_GE(path.loops, 1U);
+}
+
+TEST(GridSlam, a_map_takes_no_more_frames_once_its_places_are_known) {
+    // Each lap runs a little beside the ones before, so that few scans are at the place of an earlier one.
+    std::vector<std::size_t> frames;
+    double rmse = 0;
+    for (const int laps : {1, 2, 4}) {
+        std::vector<Eigen::Vector2d> route{{0, 0}};
+        for (int lap = 0; lap < laps; ++lap) {
+            const double in = 0.11 * (lap % 2) + 0.04 * (lap / 2);
+            route.insert(route.end(), {{12 - in, in}, {12 - in, 8 - in}, {in, 8 - in}, {in, in}});
+        }
+        const auto truth = test::drive_along(route, 0.1, 5 * deg);
+        const Path path = path_of_ring(truth, 1, Weights::joint, {}, 0.3);
+        frames.push_back(path.frames);
+        rmse = rmse_m(path, truth);
+    }
+    EXPECT_LT(frames[1], 1.2 * static_cast<double>(frames[0]));
+    EXPECT_LT(frames[2], 1.03 * static_cast<double>(frames[1]));
+    EXPECT_LT(rmse, 0.02);
 }
 
 TEST(GridSlam, finds_scans_again_where_wheels_slipped_far_beyond_their_noise) {

@@ -1,6 +1,7 @@
 #include "evaluate/absolute_error.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -32,18 +33,26 @@ Pose3 planar_alignment(const Pairs& pairs) {
     return Pose3(Pose2{shift_m.x(), shift_m.y(), turn.phi_rad});
 }
 
+/// Pairs may lie on disk, so they are gone through twice rather than gathered in matrices for
+/// Eigen::umeyama().
 template <class Pairs>
 Pose3 spatial_alignment(const Pairs& pairs) {
     if (pairs.empty()) return {};
-    Eigen::Matrix3Xd estimate_m(3, pairs.size()), reference_m(3, pairs.size());
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const PosePair pair = pairs[i];
-        estimate_m.col(static_cast<Eigen::Index>(i)) = pair.T_map_base_estimate.translation_m;
-        reference_m.col(static_cast<Eigen::Index>(i)) = pair.T_ref_base_reference.translation_m;
+    const auto n = static_cast<double>(pairs.size());
+    Eigen::Vector3d mean_estimate_m(0, 0, 0), mean_reference_m(0, 0, 0);
+    for (const PosePair& pair : pairs) {
+        mean_estimate_m += pair.T_map_base_estimate.translation_m / n;
+        mean_reference_m += pair.T_ref_base_reference.translation_m / n;
     }
-    const Eigen::Matrix4d T = Eigen::umeyama(estimate_m, reference_m, false);
-    return {T.topRightCorner<3, 1>(),
-            Eigen::Quaterniond(Eigen::Matrix3d(T.topLeftCorner<3, 3>())).normalized()};
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // Umeyama 1991, eq. (38)
+    for (const PosePair& pair : pairs)
+        covariance += (pair.T_ref_base_reference.translation_m - mean_reference_m) / n *
+                      (pair.T_map_base_estimate.translation_m - mean_estimate_m).transpose();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d sign(1, 1, 1);  // eq. (39): no reflection
+    if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign.z() = -1;
+    const Eigen::Matrix3d R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();  // eq. (40)
+    return {mean_reference_m - R * mean_estimate_m, Eigen::Quaterniond(R).normalized()};      // eq. (41)
 }
 
 template <class Pairs>

@@ -21,7 +21,7 @@ enum class Alignment {
 /// the centred points.
 Pose3 align_planar(const std::vector<PosePair>& pairs);
 
-/// The same in space, without scale: Umeyama 1991, by Eigen::umeyama.
+/// The same in space, without scale: Umeyama 1991, "Least-squares estimation of transformation parameters".
 Pose3 align_spatial(const std::vector<PosePair>& pairs);
 
 /// All heights within a micrometre of the first, and no roll or pitch beyond a microradian, in both
