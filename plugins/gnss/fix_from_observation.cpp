@@ -20,6 +20,18 @@ const Message* message_of(const mrpt::obs::CObservationGPS& observation) {
     return found == observation.messages.end() ? nullptr : dynamic_cast<const Message*>(found->second.get());
 }
 
+/// A receiver's time of day as a stamp; none if it is not one.
+std::optional<StampNs> utc_near(const UTC_time& time, StampNs stamp_ns) {
+    constexpr StampNs farthest_ns = 9'000'000'000'000'000'000;
+    if (stamp_ns < -farthest_ns || stamp_ns > farthest_ns || time.hour > 23 || time.minute > 59 ||
+        !(time.sec >= 0 && time.sec < 61))
+        return std::nullopt;
+    // To the microsecond: no sentence has more digits.
+    const StampNs of_day_ns =
+        (time.hour * 60 + time.minute) * 60'000'000'000 + std::llround(time.sec * 1e6) * 1000;
+    return nearest_moment_ns(of_day_ns, stamp_ns);
+}
+
 /// The bits of an enumeration or flag: a damaged log may hold what its type has not.
 template <class Value>
 std::uint32_t bits_of(const Value& value) {
@@ -81,6 +93,7 @@ bool take_height(double altitude_m, double separation_m, GnssFix& fix) {
 }
 
 bool take_gga(const Message_NMEA_GGA::content_t& gga, GnssFix& fix) {
+    fix.utc_ns = utc_near(gga.UTCTime, fix.stamp_ns);
     fix.quality = fix_quality(gga.fix_quality);
     fix.satellites = static_cast<int>(std::min<std::uint32_t>(gga.satellitesUsed, 999));
     if (bits_of(gga.thereis_HDOP) != 0 && std::isfinite(gga.HDOP) && gga.HDOP >= 0) fix.hdop = gga.HDOP;
@@ -95,6 +108,7 @@ bool take_bestpos(const Message_NV_OEM6_BESTPOS::content_t& best, GnssFix& fix) 
 }
 
 bool take_rmc(const Message_NMEA_RMC::content_t& rmc, GnssFix& fix) {
+    fix.utc_ns = utc_near(rmc.UTCTime, fix.stamp_ns);
     fix.quality = rmc.validity_char != 'A'      ? FixQuality::invalid
                   : rmc.positioning_mode == 'D' ? FixQuality::differential
                   : rmc.positioning_mode == 'E' ? FixQuality::estimated

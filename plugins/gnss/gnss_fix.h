@@ -36,6 +36,7 @@ inline bool is_measured(FixQuality quality) {
 struct GnssFix {
     StampNs stamp_ns = 0;                ///< when the antenna was there
     std::optional<StampNs> received_ns;  ///< when the log's computer had the fix; later by the latency
+    std::optional<StampNs> utc_ns;       ///< the receiver's own time of that, of the day nearest to the stamp
     FixQuality quality = FixQuality::invalid;
     Geodetic antenna;                  ///< place of the antenna
     bool has_position = false;         ///< false: `antenna` is nothing

@@ -32,13 +32,6 @@ FixQuality quality_of_mode(char mode) {
     }
 }
 
-/// The moment with this time of day that is nearest to another.
-StampNs nearest_stamp_ns(TimeOfDayNs time, StampNs to_ns) {
-    const StampNs off_ns = to_ns - time;
-    const StampNs days = off_ns >= 0 ? (off_ns + day_ns / 2) / day_ns : (off_ns - day_ns / 2) / day_ns;
-    return days * day_ns + time;
-}
-
 }  // namespace
 
 GnssFix NmeaEpoch::fix(StampNs stamp_ns) const {
@@ -159,8 +152,8 @@ std::optional<std::vector<StampNs>> stamps_of(const NmeaLog& log, std::optional<
     if (first == epochs.size()) return std::nullopt;
     for (std::size_t i = first; i < epochs.size(); ++i)
         stamps_ns[i] = dated(i) ? epochs[i].date.value_or(date.value_or(0)) * day_ns + epochs[i].time
-                                : nearest_stamp_ns(epochs[i].time, stamps_ns[i - 1]);
-    for (std::size_t i = first; i-- > 0;) stamps_ns[i] = nearest_stamp_ns(epochs[i].time, stamps_ns[i + 1]);
+                                : nearest_moment_ns(epochs[i].time, stamps_ns[i - 1]);
+    for (std::size_t i = first; i-- > 0;) stamps_ns[i] = nearest_moment_ns(epochs[i].time, stamps_ns[i + 1]);
     return stamps_ns;
 }
 
