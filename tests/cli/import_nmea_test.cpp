@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservationGPS.h>
 
+#include <cmath>
+#include <sstream>
+
 #include "gnss/gps_observation.h"
 #include "pipeline/log_source.h"
 #include "support/run_program.h"
@@ -99,4 +102,31 @@ TEST_F(ImportNmea, what_is_missing_is_said) {
     EXPECT_NE(result.err.find("date is no day such as 2024-05-31"), std::string::npos) << result.err;
     EXPECT_EQ(import("hello\n").exit_code, 3);
     EXPECT_EQ(import("").exit_code, 3);
+}
+
+TEST_F(ImportNmea, mrpts_own_program_reads_the_fixes) {
+    if (run_program({"which", "rawlog-edit"}).exit_code != 0)
+        GTEST_SKIP() << "rawlog-edit is not installed (package mrpt-apps)";
+    ASSERT_EQ(import(nmea_log()).exit_code, 0);
+    // It writes beside a log only if that is in its working directory.
+    const auto result = run_program(
+        {"sh", "-c", "cd " + folder.path().string() + " && rawlog-edit --export-gps-txt -i out.rawlog -w"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    std::istringstream lines(file_text(folder / "out_gnss.txt"));
+    std::size_t fixes = 0;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty() || line[0] == '%') continue;
+        std::istringstream columns(line);
+        double time_s = 0, latitude_rad = 0, longitude_rad = 0, altitude_m = 0;
+        int kind = 0, satellites = 0;
+        columns >> time_s >> latitude_rad >> longitude_rad >> altitude_m >> kind >> satellites;
+        EXPECT_NEAR(time_s, 1717199999 + 0.2 * static_cast<double>(fixes), 1e-3);
+        EXPECT_NEAR(latitude_rad * 180 / M_PI, 49 + (0.66 + 0.001 * static_cast<double>(fixes)) / 60, 1e-9);
+        EXPECT_NEAR(longitude_rad * 180 / M_PI, 8.4, 1e-9);
+        EXPECT_NEAR(altitude_m, 68.5, 1e-6) << "above the geoid";
+        EXPECT_EQ(kind, 4);
+        EXPECT_EQ(satellites, 14);
+        ++fixes;
+    }
+    EXPECT_EQ(fixes, 10u);
 }

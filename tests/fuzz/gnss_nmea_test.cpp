@@ -1,6 +1,8 @@
 /// Lines that a receiver never said: the reader neither fails nor believes what can't be.
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <limits>
 #include <random>
 
 #include "gnss/gps_observation.h"
@@ -92,4 +94,55 @@ TEST(HostileNmea, every_line_is_counted_once_and_no_fix_is_impossible) {
         ASSERT_TRUE(back);
         ASSERT_EQ(back->is_usable(), fix.is_usable());
     }
+}
+
+TEST(HostileGps, whatever_bytes_its_messages_hold_a_fix_is_possible_or_none) {
+    using namespace mrpt::obs::gnss;
+    std::mt19937 engine(2);
+    GnssFix good;
+    good.stamp_ns = 1'400'000'000'000'000'000;
+    good.quality = FixQuality::rtk_fixed;
+    good.has_position = good.has_height = true;
+    good.antenna = {49, 8, 120};
+    good.sigma_enu_m = Eigen::Vector3d(0.01, 0.01, 0.02);
+    good.vdop = 1;
+    good.speed_mps = 3;
+    good.course_rad = good.heading_rad = 1;
+    const auto damage = [&engine](auto& fields) {
+        unsigned char bytes[sizeof fields];
+        std::memcpy(bytes, &fields, sizeof fields);
+        for (unsigned times = engine() % 12; times > 0; --times)
+            bytes[engine() % sizeof fields] = static_cast<unsigned char>(engine() % 3 == 0 ? 255 : engine());
+        std::memcpy(&fields, bytes, sizeof fields);
+    };
+    std::size_t none = 0, usable = 0;
+    for (int i = 0; i < 50000; ++i) {
+        const auto observation = gps_observation(good, "gnss");
+        damage(observation->getMsgByClass<Message_NMEA_GGA>().fields);
+        damage(observation->getMsgByClass<Message_NMEA_RMC>().fields);
+        damage(observation->getMsgByClass<Message_NMEA_GSA>().fields);
+        damage(observation->getMsgByClass<Message_NV_OEM6_BESTPOS>().fields);
+        damage(observation->getMsgByClass<Message_NV_OEM6_INSPVAS>().fields);
+        if (engine() % 2 == 0) observation->messages.erase(NMEA_GGA);
+        if (engine() % 4 == 0) observation->messages.erase(NV_OEM6_BESTPOS);
+        const StampNs stamp_ns = engine() % 10 == 0 ? std::numeric_limits<StampNs>::max() : good.stamp_ns;
+        const auto fix = fix_from_mrpt(*observation, stamp_ns);
+        if (!fix) {
+            ++none;
+            continue;
+        }
+        usable += fix->is_usable();
+        const auto is_within = [](double value, double most) { return std::abs(value) <= most; };
+        ASSERT_TRUE(!fix->has_position ||
+                    (is_within(fix->antenna.latitude_deg, 90) && is_within(fix->antenna.longitude_deg, 360)));
+        ASSERT_TRUE(!fix->has_height || is_within(fix->antenna.height_m, 1e9));
+        ASSERT_TRUE(!fix->sigma_enu_m || (fix->sigma_enu_m->array() > 0).all());
+        ASSERT_TRUE(!fix->sigma_enu_m || fix->sigma_enu_m->allFinite());
+        ASSERT_TRUE(is_within(fix->hdop.value_or(0), 1e39) && is_within(fix->vdop.value_or(0), 1e5));
+        ASSERT_TRUE(is_within(fix->speed_mps.value_or(0), 1e4) && is_within(fix->course_rad.value_or(0), 4));
+        ASSERT_TRUE(is_within(fix->heading_rad.value_or(0), 4));
+        ASSERT_LE(std::abs(fix->utc_ns.value_or(stamp_ns) - stamp_ns), 43'201'000'000'000);
+    }
+    EXPECT_GT(none, 500u);
+    EXPECT_GT(usable, 10000u);
 }
