@@ -38,22 +38,56 @@ class Hands {
 /// Ways of the rims that belong to a motion over ground.
 class Wheels {
  public:
-    Wheels(const VehicleSettings& vehicle, RandomStream random) : vehicle_(vehicle), random_(random) {}
+    Wheels(const VehicleSettings& vehicle, double slip_turn, double step_s, RandomStream random)
+        : vehicle_(vehicle), slip_turn_(slip_turn), step_s_(step_s), random_(random) {}
 
     WheelPair roll(const Twist2& motion) {
         const double half_turn_m = motion.turn_rad * vehicle_.track_width_m / 2;
-        return {rim_m(motion.forward_m - half_turn_m), rim_m(motion.forward_m + half_turn_m)};
+        // To the left: the left wheel is the inner one.
+        const double sideways_mps2 = motion.turn_rad * motion.forward_m / (step_s_ * step_s_);
+        const double slip = std::min(slip_turn_ * std::abs(sideways_mps2), most_slip);
+        return {rim_m(motion.forward_m - half_turn_m, sideways_mps2 > 0 ? slip : 0),
+                rim_m(motion.forward_m + half_turn_m, sideways_mps2 < 0 ? slip : 0)};
     }
 
  private:
-    double rim_m(double ground_m) {
+    static constexpr double most_slip = 0.5;
+
+    double rim_m(double ground_m, double slip_in_turn) {
         return (ground_m + random_.normal(vehicle_.sigma_straight_m * std::sqrt(std::abs(ground_m)))) /
-               (1 - vehicle_.slip_straight);
+               (1 - vehicle_.slip_straight) / (1 - slip_in_turn);
     }
 
     VehicleSettings vehicle_;
+    double slip_turn_, step_s_;
     RandomStream random_;
 };
+
+/// Way over ground by way on the plan in each step.
+double uphill(const TrueMotion& motion, std::size_t step) {
+    const StampNs from_ns = static_cast<StampNs>(step) * motion.step_ns();
+    const Eigen::Vector3d way_m =
+        motion.pose_at(from_ns + motion.step_ns()).translation_m - motion.pose_at(from_ns).translation_m;
+    const double plan_m = way_m.head<2>().norm();
+    return plan_m > 1e-9 ? way_m.norm() / plan_m : 1;
+}
+
+template <class Stretch>
+void roll(Drive& drive, const VehicleSettings& vehicle, double slip_turn, std::uint64_t seed,
+          const Stretch& stretch) {
+    Wheels wheels(vehicle, slip_turn, seconds_between(0, drive.motion.step_ns()),
+                  RandomStream(seed, "cart wheels"));
+    drive.rim_m.clear();
+    WheelPair rim_m;
+    std::size_t step = 0;
+    for (Twist2 motion : drive.motion.twists()) {
+        motion.forward_m *= stretch(step++);
+        const WheelPair rolled_m = wheels.roll(motion);
+        rim_m.left += rolled_m.left;
+        rim_m.right += rolled_m.right;
+        drive.rim_m.push_back(rim_m);
+    }
+}
 
 }  // namespace
 
@@ -76,20 +110,16 @@ std::optional<Drive> push_along(const Waypoints& waypoints, const PushSettings& 
         drive.motion.append(log_se2(T_world_base.inverse() * T_world_next));
         T_world_base = T_world_next;
     }
-    roll_wheels(drive, vehicle, seed);
+    roll_wheels(drive, vehicle, push.slip_turn, seed);
     return drive;
 }
 
-void roll_wheels(Drive& drive, const VehicleSettings& vehicle, std::uint64_t seed) {
-    Wheels wheels(vehicle, RandomStream(seed, "cart wheels"));
-    drive.rim_m.clear();
-    WheelPair rim_m;
-    for (const Twist2& motion : drive.motion.twists()) {
-        const WheelPair rolled_m = wheels.roll(motion);
-        rim_m.left += rolled_m.left;
-        rim_m.right += rolled_m.right;
-        drive.rim_m.push_back(rim_m);
-    }
+void roll_wheels(Drive& drive, const VehicleSettings& vehicle, double slip_turn, std::uint64_t seed) {
+    roll(drive, vehicle, slip_turn, seed, [](std::size_t) { return 1.0; });
+}
+
+void roll_wheels_uphill(Drive& drive, const VehicleSettings& vehicle, double slip_turn, std::uint64_t seed) {
+    roll(drive, vehicle, slip_turn, seed, [&](std::size_t step) { return uphill(drive.motion, step); });
 }
 
 }  // namespace loopline::simulation

@@ -15,8 +15,10 @@ std::optional<Drive> push_along(const Waypoints& waypoints, const PushSettings& 
                                 const DriveSettings& settings, const VehicleSettings& vehicle,
                                 std::uint64_t seed);
 
-/// Wheels that roll where the vehicle goes: they lose `slip_straight` of their way and `sigma_straight_m` at
-/// random.
-void roll_wheels(Drive& drive, const VehicleSettings& vehicle, std::uint64_t seed);
+/// Wheels that roll where the vehicle goes on the plan: they lose `slip_straight` of their way, in bends the
+/// inner one `slip_turn` more, and `sigma_straight_m` at random.
+void roll_wheels(Drive& drive, const VehicleSettings& vehicle, double slip_turn, std::uint64_t seed);
+/// The same on the ground that the motion was put on: a way uphill is longer than it is on the plan.
+void roll_wheels_uphill(Drive& drive, const VehicleSettings& vehicle, double slip_turn, std::uint64_t seed);
 
 }  // namespace loopline::simulation

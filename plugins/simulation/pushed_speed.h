@@ -18,6 +18,7 @@ struct PushSettings {
     double end_standstill_s = 3;
     double stop_every_m = 0;  ///< way from stop to stop, about; 0: none
     double stop_s = 4;
+    double slip_turn = 0;        ///< of the inner wheel in a bend, by the acceleration to its side in m/s^2
     double sigma_side_m = 0.03;  ///< how far hands let the cart stray beside its path
 };
 

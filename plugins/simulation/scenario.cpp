@@ -98,6 +98,8 @@ std::vector<ScenarioProblem> Scenario::check() const {
     if (vehicle.turn_inner_mps >= vehicle.turn_outer_mps)
         problems.push_back(
             {"vehicle", "turn_inner_mps", 0, "is not below turn_outer_mps, so there would be no turn"});
+    if (town.least_storeys > town.storeys)
+        problems.push_back({"town", "least_storeys", 0, "is above storeys"});
     if (drive.control_s < drive.step_s)
         problems.push_back({"simulation", "control_s", 0, "is shorter than step_s"});
     return problems;
@@ -152,6 +154,7 @@ void make_drawn_landscape(const Scenario& s, const Waypoints& route, const Pose2
     landscape.driven = street_of(repeated(route, s.laps), s.push);
     landscape.town = grow_town(street_of(route, s.push), landscape.driven, *landscape.ground, s.town, s.seed);
     scene.drive.motion.put_on(*landscape.ground);
+    roll_wheels_uphill(scene.drive, s.vehicle, s.push.slip_turn, s.seed);
 }
 
 /// A town along a recorded path, on ground that passes below it.
@@ -170,7 +173,7 @@ void make_recorded_landscape(const Scenario& s, Scene& scene) {
     landscape.town = grow_town(landscape.driven, landscape.driven, *landscape.ground, s.town, s.seed);
     scene.drive.motion =
         motion_through(poses, s.path.rate_hz, static_cast<StampNs>(std::llround(s.drive.step_s * 1e9)));
-    roll_wheels(scene.drive, s.vehicle, s.seed);
+    roll_wheels_uphill(scene.drive, s.vehicle, s.push.slip_turn, s.seed);
 }
 
 }  // namespace

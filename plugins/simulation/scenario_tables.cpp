@@ -74,6 +74,7 @@ ParameterTable town_table(TownSettings& s) {
         .real("setback_spread_m", s.setback_spread_m, {0, 200}, "How much farther back fronts stand at most.")
         .real("front_m", s.front_m, {4, 100}, "Length of a house along the street, about.")
         .integer("storeys", s.storeys, {1, 30}, "Of a house, at most.")
+        .integer("least_storeys", s.least_storeys, {1, 30}, "Of a house, at least.")
         .real("side_street_m", s.side_street_m, {0, 10000},
               "Way from one side street to the next, about; 0: none.")
         .real("kerb_m", s.kerb_m, {0, 1}, "Height of pavements; 0: none.")
@@ -86,7 +87,9 @@ ParameterTable town_table(TownSettings& s) {
               "The ground is level triangles between points so far apart.")
         .real("reach_m", s.reach_m, {10, 1000}, "There is ground so far from the way.")
         .rows("gallery_m", s.galleries, {4, 0}, "from to width height",
-              "A tunnel with pillars over the way, from so many metres after its beginning.");
+              "A tunnel with pillars over the way, from so many metres after its beginning.")
+        .rows("tunnel_m", s.tunnels, {4, 0}, "from to width height",
+              "A tunnel of one smooth cross section, with nothing in it.");
 }
 
 ParameterTable terrain_table(TerrainSettings& s) {
@@ -154,6 +157,10 @@ ParameterTable cart_table(PushSettings& s) {
         .real("end_standstill_s", s.end_standstill_s, {1, 3600}, "How long it stands at the end.")
         .real("stop_every_m", s.stop_every_m, {0, 1e6}, "Way from stop to stop, about; 0: no stops.")
         .real("stop_s", s.stop_s, {1.5, 3600}, "How long a stop takes.")
+        .real("slip_turn", s.slip_turn, {0, 0.2},
+              "Part of its way that the inner wheel loses in a bend, for each m/s^2 to its side; at most "
+              "half. Also "
+              "of a car on a recorded [path].")
         .real("sigma_side_m", s.sigma_side_m, {0, 0.2},
               "Standard deviation of how far it strays beside its path; it turns as it does.");
 }

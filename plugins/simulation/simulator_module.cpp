@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "simulation/gnss_sensor.h"
 #include "simulation/imu_sensor.h"
 #include "simulation/laser_sensors.h"
 #include "simulation/spinning_lidar_sensor.h"
@@ -22,6 +23,7 @@ std::vector<std::shared_ptr<Sensor>> all_sensors() {
     sensors.push_back(std::make_shared<HorizontalLaser>());
     sensors.push_back(std::make_shared<SurveyLaser>());
     sensors.push_back(std::make_shared<SpinningLidarSensor>());
+    sensors.push_back(std::make_shared<GnssSensor>());
     return sensors;
 }
 
@@ -76,7 +78,7 @@ ModuleInfo WorldSimulator::info() const {
             {},
             {},
             {"CObservationOdometry", "CObservationComment", "CObservationIMU", "CObservation2DRangeScan",
-             "CObservationRotatingScan"}};
+             "CObservationRotatingScan", "CObservationGPS"}};
 }
 
 ParameterTable WorldSimulator::parameters() {

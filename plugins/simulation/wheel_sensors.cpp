@@ -19,6 +19,8 @@ ParameterTable WheelSensor::parameters() {
         .real("scale_right", settings_.scale_right, {0.5, 2}, "The same of the right wheel.")
         .real("sigma_scale", sigma_scale_, {0, 0.2},
               "Standard deviation of an error of either wheel's scale that the seed draws.")
+        .real("sigma_common_scale", sigma_common_scale_, {0, 0.2},
+              "The same of an error that both wheels have alike, as by the air in tyres.")
         .real("track_scale", track_scale_, {0.5, 2},
               "Track width that dead reckoning believes in, as a multiple of the vehicle's.");
 }
@@ -30,6 +32,9 @@ void WheelSensor::start(const Scene& scene) {
     RandomStream random(scene.seed, name());
     believed.scale_left += random.normal(sigma_scale_);
     believed.scale_right += random.normal(sigma_scale_);
+    const double common = random.normal(sigma_common_scale_);
+    believed.scale_left += common;
+    believed.scale_right += common;
     encoders_ = std::make_unique<Encoders>(believed, scene.drive);
     index_ = 0;
 }

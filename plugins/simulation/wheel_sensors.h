@@ -19,6 +19,7 @@ class WheelSensor : public Sensor {
     double rate_hz_ = 20;
     double track_scale_ = 1;
     double sigma_scale_ = 0;
+    double sigma_common_scale_ = 0;
     EncoderSettings settings_;
     const Scene* scene_ = nullptr;
     std::unique_ptr<Encoders> encoders_;

@@ -335,8 +335,8 @@ TEST_F(Simulate, interrupted_it_leaves_nothing) {
 
 TEST_F(Simulate, every_dataset_is_right) {
     for (const char* name : {"ring_corridor", "ring_corridor_bare", "office", "campus_lines", "cart_loops",
-                             "cart_corridor", "cart_twin_rooms", "road_loop", "straight_street", "ramp_gallery",
-                             "open_field"}) {
+                             "cart_corridor", "cart_twin_rooms", "road_loop", "straight_street",
+                             "ramp_gallery", "open_field", "tunnel", "urban_canyon"}) {
         const std::string file = std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/" + name + ".ini";
         // A moment is enough: that the vehicle does not arrive is said after everything else was found good.
         const auto result = simulate(file, "w.rawlog", {"--set", "simulation.longest_s=1"});

@@ -1,5 +1,6 @@
 /// loopline simulate with a spinning lidar as a user runs it.
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationRotatingScan.h>
 
 #include "lidar/observation_scan.h"
@@ -81,11 +82,58 @@ TEST_F(SimulateTown, scans_have_their_truth_and_a_seed_its_bytes) {
     EXPECT_NE(file_text(folder / "a.rawlog"), file_text(folder / "c.rawlog"));
 }
 
+TEST_F(SimulateTown, what_else_is_on_board_does_not_change_a_sweep) {
+    const std::string scenario = folder.write("street.ini", short_street);
+    ASSERT_EQ(simulate(scenario, "all.rawlog", {"simulation.sensors=spinning_lidar gnss wheels"}).exit_code,
+              0);
+    ASSERT_EQ(simulate(scenario, "alone.rawlog", {"simulation.sensors=spinning_lidar"}).exit_code, 0);
+    EXPECT_EQ(file_text(folder / "all.truth.tum"), file_text(folder / "alone.truth.tum"));
+    using Sweep = mrpt::obs::CObservationRotatingScan;
+    std::vector<Sweep::Ptr> sweeps[2];
+    std::size_t late = 0, fixes = 0, backwards = 0;
+    StampNs newest_ns = 0;
+    for (const std::size_t i : {0, 1}) {
+        LogSource source({(folder / (i == 0 ? "all.rawlog" : "alone.rawlog")).string()});
+        for (StreamItem item; source.next(item);) {
+            if (const auto sweep = std::dynamic_pointer_cast<const Sweep>(item.observation))
+                sweeps[i].push_back(std::make_shared<Sweep>(*sweep));
+            const StampNs stamp_ns = *stamp_from_mrpt(item.observation->timestamp);
+            if (std::dynamic_pointer_cast<const mrpt::obs::CObservationGPS>(item.observation)) {
+                ++fixes;
+                late += stamp_ns < newest_ns;
+            } else {
+                backwards += i == 0 && stamp_ns < newest_ns;
+                newest_ns = std::max(newest_ns, stamp_ns);
+            }
+        }
+    }
+    EXPECT_GT(fixes, 15u);
+    EXPECT_EQ(late, fixes) << "behind what was measured after them";
+    EXPECT_EQ(backwards, 0u);
+    ASSERT_EQ(sweeps[0].size(), sweeps[1].size());
+    for (std::size_t i = 0; i < sweeps[0].size(); ++i) {
+        ASSERT_EQ(sweeps[0][i]->timestamp, sweeps[1][i]->timestamp);
+        ASSERT_EQ(sweeps[0][i]->rangeImage, sweeps[1][i]->rangeImage);
+    }
+    std::istringstream lines(file_text(folder / "all.truth.csv"));
+    std::size_t rows = 0;
+    for (std::string line; std::getline(lines, line);) rows += line.rfind("gnss,", 0) == 0;
+    EXPECT_EQ(rows, fixes);
+}
+
 TEST_F(SimulateTown, what_cannot_be_is_said) {
     const std::string scenario = folder.write("street.ini", short_street);
     auto result = simulate(scenario, "a.rawlog", {"spinning_lidar.beams=40"});
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_NE(result.err.find("beams is none of 16, 32 and 64"), std::string::npos) << result.err;
+    result = simulate(scenario, "a.rawlog", {"gnss.state_m=10 20 3"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("last number is none of 0 (no fix), 1 (single), 4 (fixed) and 5 (float)"),
+              std::string::npos)
+        << result.err;
+    result = simulate(scenario, "a.rawlog", {"town.least_storeys=9"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("least_storeys is above storeys"), std::string::npos) << result.err;
     result = simulate(scenario, "a.rawlog", {"simulation.sensors=horizontal_laser"});
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_NE(result.err.find("sees walls and nothing of a town"), std::string::npos) << result.err;

@@ -1,6 +1,7 @@
 /// The log as a stream: odometry from actions, stamps, merging, and what is kept out.
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 
@@ -139,6 +140,33 @@ TEST(LogSource, stamps_that_go_backwards_are_reported_and_not_sorted) {
     ASSERT_EQ(items.size(), 5u);
     EXPECT_EQ(items[2].stamp_ns, start_ns + 2 * s);
     EXPECT_TRUE(mentions(source.warnings(), "stamps go backwards 2 times, by up to 3.000 s"));
+}
+
+TEST(LogSource, a_fix_that_comes_late_is_in_its_order) {
+    Folder folder;
+    const auto fix = [](StampNs stamp_ns, StampNs received_ns) {
+        auto observation = mrpt::obs::CObservationGPS::Create();
+        observation->timestamp = stamp_to_mrpt(stamp_ns);
+        if (received_ns > 0) observation->originalReceivedTimestamp = stamp_to_mrpt(received_ns);
+        return observation;
+    };
+    write_log(folder / "late",
+              {scan(start_ns), scan(start_ns + 5 * s), fix(start_ns + 4 * s, start_ns + 5 * s),
+               fix(start_ns + 4 * s + s / 2, start_ns + 6 * s), scan(start_ns + 6 * s)});
+    LogSource late({folder / "late"});
+    const auto items = stream(late);
+    ASSERT_EQ(items.size(), 5u);
+    EXPECT_EQ(items[2].stamp_ns, start_ns + 4 * s);
+    EXPECT_FALSE(mentions(late.warnings(), "backwards"));
+    // Not where it came, or nobody knows when; and what comes after a late one is compared with what came
+    // before it.
+    write_log(folder / "log",
+              {scan(start_ns), scan(start_ns + 5 * s), fix(start_ns + 3 * s, start_ns + 4 * s),
+               scan(start_ns + 6 * s), fix(start_ns + 5 * s, 0), scan(start_ns + 7 * s),
+               fix(start_ns + 4 * s, start_ns + 8 * s), scan(start_ns + 5 * s)});
+    LogSource source({folder / "log"});
+    stream(source);
+    EXPECT_TRUE(mentions(source.warnings(), "stamps go backwards 3 times, by up to 2.000 s"));
 }
 
 TEST(LogSource, a_missing_stamp_is_the_one_before) {

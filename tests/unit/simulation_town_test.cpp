@@ -223,3 +223,49 @@ TEST(Gallery, closes_over_the_way) {
         EXPECT_NEAR(hits[2 * i + 1].range_m, 1, 0.05) << "the triangles of the ground lie on it";
     }
 }
+
+TEST(Tunnel, nothing_in_it_tells_how_far_one_has_come) {
+    const auto scene = test::scene_of(test::dataset("tunnel.ini"), {"town.ground_cell_m=20"});
+    const Landscape& landscape = *scene->landscape;
+    const auto caster = make_mesh_caster(landscape.town.mesh);
+    const auto hits_at = [&](double way_m) {
+        const Pose2 T_map_way = landscape.driven.at(way_m);
+        const Eigen::Vector2d p = T_map_way.translation();
+        std::vector<MeshRay> rays;
+        for (int azimuth_deg = 0; azimuth_deg < 360; azimuth_deg += 3)
+            for (int elevation_deg = -30; elevation_deg <= 10; elevation_deg += 5) {
+                const double a = T_map_way.phi_rad + azimuth_deg * M_PI / 180, e = elevation_deg * M_PI / 180;
+                rays.push_back({{p.x(), p.y(), landscape.ground->height_m(p) + 1.73},
+                                {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)}});
+            }
+        std::vector<MeshHit> hits;
+        caster->cast(rays, 120, hits);
+        return hits;
+    };
+    const auto here = hits_at(310);
+    std::size_t returns = 0;
+    for (const double way_m : {400.0, 530.0, 531.7, 700.0, 750.0}) {
+        const auto there = hits_at(way_m);
+        for (std::size_t i = 0; i < here.size(); ++i) {
+            ASSERT_EQ(std::isfinite(here[i].range_m), std::isfinite(there[i].range_m)) << way_m << " " << i;
+            if (!std::isfinite(here[i].range_m)) continue;
+            ++returns;
+            // Corners of triangles are of single precision; a lidar counts 2 mm.
+            ASSERT_NEAR(here[i].range_m, there[i].range_m, 1e-3) << way_m << " " << i;
+        }
+    }
+    EXPECT_GT(returns, 4000u);
+    const auto outside = hits_at(100);
+    EXPECT_TRUE(std::any_of(outside.begin(), outside.end(),
+                            [](const auto& hit) { return !std::isfinite(hit.range_m); }));
+    // A minute of the drive has no satellites.
+    double hidden_s = 0;
+    for (StampNs t = 0; t < scene->duration_ns(); t += 100'000'000) {
+        const Eigen::Vector2d p = scene->drive.motion.planar_pose_at(t).translation();
+        double least_m = 1e9;
+        for (double way_m = 170; way_m <= 890; way_m += 1)
+            least_m = std::min(least_m, (landscape.driven.at(way_m).translation() - p).norm());
+        hidden_s += least_m < 1 ? 0.1 : 0;
+    }
+    EXPECT_NEAR(hidden_s, 61, 6);
+}

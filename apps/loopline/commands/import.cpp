@@ -45,7 +45,7 @@ class ImportCommand : public Command {
  public:
     std::string name() const override { return "import"; }
     std::string sentence() const override {
-        return "Turns logs of other programs into rawlogs: carmen, kitti";
+        return "Turns logs of other programs into rawlogs: carmen, kitti, nmea";
     }
 
     void declare(CLI::App& app) override {

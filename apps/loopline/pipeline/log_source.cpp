@@ -1,9 +1,12 @@
 #include "pipeline/log_source.h"
 
+#include <mrpt/obs/CObservationGPS.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <limits>
 
+#include "api/observation_class.h"
 #include "pipeline/observation_gate.h"
 
 namespace loopline {
@@ -15,6 +18,13 @@ std::string seconds_in_words(StampNs duration_ns) {
     char text[32];
     std::snprintf(text, sizeof(text), "%.3f s", static_cast<double>(duration_ns) * 1e-9);
     return text;
+}
+
+/// Whether a satellite receiver's fix, stamped with its moment, stands where it came: late by the latency.
+bool came_late(const mrpt::obs::CObservation& observation, StampNs now_ns) {
+    const auto* fix = as<mrpt::obs::CObservationGPS>(&observation);
+    const auto received_ns = fix ? stamp_from_mrpt(fix->originalReceivedTimestamp) : std::nullopt;
+    return received_ns && *received_ns >= now_ns;
 }
 
 }  // namespace
@@ -72,10 +82,12 @@ void LogSource::fill_head(Input& input) {
 
 void LogSource::stamp_head(Input& input) {
     const auto own_stamp_ns = stamp_from_mrpt(input.head->timestamp);
+    const bool earlier = own_stamp_ns && input.any_stamp && *own_stamp_ns < input.last_stamp_ns;
+    const bool late = earlier && came_late(*input.head, input.last_stamp_ns);
     if (!own_stamp_ns) {
         ++input.missing_stamps;
         input.head->timestamp = stamp_to_mrpt(input.last_stamp_ns);
-    } else if (input.any_stamp && *own_stamp_ns < input.last_stamp_ns) {
+    } else if (earlier && !late) {
         ++input.backwards;
         // Unsigned: the distance of two damaged stamps may not fit.
         const auto step_ns =
@@ -87,7 +99,7 @@ void LogSource::stamp_head(Input& input) {
     input.head_stamp_ns = own_stamp_ns.value_or(input.last_stamp_ns);
     input.merge_key_ns =
         input.any_stamp ? std::max(input.merge_key_ns, input.head_stamp_ns) : input.head_stamp_ns;
-    input.last_stamp_ns = input.head_stamp_ns;
+    if (!late) input.last_stamp_ns = input.head_stamp_ns;
     input.any_stamp = input.any_stamp || own_stamp_ns;
 }
 

@@ -1,6 +1,7 @@
 #include "pipeline/observation_gate.h"
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/poses/CPose3D.h>
@@ -84,6 +85,15 @@ const char* refusal_of_imu(CObservationIMU& imu) {
     return nullptr;
 }
 
+/// Numbers are looked at by those who use them (`gnss/gps_observation.h`): most messages are not for all.
+void settle_flags(CObservationGPS& gps) {
+    settle(gps.has_satellite_timestamp);
+    const auto gga = gps.messages.find(gnss::NMEA_GGA);
+    if (gga == gps.messages.end()) return;
+    if (auto* const message = dynamic_cast<gnss::Message_NMEA_GGA*>(gga->second.get()))
+        settle(message->fields.thereis_HDOP);
+}
+
 /// By its matrix: angles are computed only for those who need them.
 bool is_sane(const mrpt::poses::CPose3D& T_base_sensor) {
     const auto& rotation = T_base_sensor.getRotationMatrix();
@@ -100,6 +110,7 @@ const char* refusal_of_another(CObservation& observation) {
     observation.getSensorPose(T_base_sensor);
     if (!is_sane(T_base_sensor)) return insane_pose;
     if (auto* imu = as<CObservationIMU>(&observation)) return refusal_of_imu(*imu);
+    if (auto* gps = as<CObservationGPS>(&observation)) settle_flags(*gps);
     return nullptr;
 }
 

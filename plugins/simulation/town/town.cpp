@@ -36,6 +36,9 @@ class Grower {
         for (const auto& gallery : settings_.galleries)
             add_gallery(town_.mesh, along_, ground_, gallery[0], std::min(gallery[1], along_.length_m()),
                         gallery[2], gallery[3], seed_);
+        for (const auto& tunnel : settings_.tunnels)
+            add_tunnel(town_.mesh, along_, ground_, tunnel[0], std::min(tunnel[1], along_.length_m()),
+                       tunnel[2], tunnel[3]);
         for_all_sides("houses", [this](const Street& street, double side, RandomStream& random) {
             build_row(street, side, random);
         });
@@ -96,8 +99,9 @@ class Grower {
     }
 
     bool in_gallery(double way_m) const {
-        return std::any_of(settings_.galleries.begin(), settings_.galleries.end(),
-                           [&](const auto& g) { return way_m > g[0] - 10 && way_m < g[1] + 10; });
+        const auto over = [&](const auto& g) { return way_m > g[0] - 10 && way_m < g[1] + 10; };
+        return std::any_of(settings_.galleries.begin(), settings_.galleries.end(), over) ||
+               std::any_of(settings_.tunnels.begin(), settings_.tunnels.end(), over);
     }
     bool blocked(const Street& street, double way_m) const { return &street == &along_ && in_gallery(way_m); }
 
@@ -142,7 +146,8 @@ class Grower {
             const double back_m = settings_.setback_m + settings_.setback_spread_m * random.uniform();
             const double gap_m = random.chance(0.5) ? 0.05 : random.uniform(1, 5);
             const double turned_rad = random.chance(0.2) ? random.uniform(-0.15, 0.15) : 0;
-            const int storeys = 1 + random.index(settings_.storeys);
+            const int storeys =
+                settings_.least_storeys + random.index(settings_.storeys - settings_.least_storeys + 1);
             if (random.chance(settings_.built) && !blocked(street, way_m + front_m / 2)) {
                 const Pose2 T_map_middle =
                     beside(street, side, way_m + front_m / 2, back_m + depth_m / 2) * Pose2{0, 0, turned_rad};

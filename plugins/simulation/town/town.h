@@ -17,12 +17,14 @@ struct TownSettings {
     double setback_spread_m = 3;  ///< how much farther back they may stand
     double front_m = 14;          ///< of a house, about
     int storeys = 4;              ///< at most
-    double side_street_m = 90;    ///< way from one to the next, about; 0: none
-    double kerb_m = 0.12;         ///< height of pavements; 0: none
+    int least_storeys = 1;
+    double side_street_m = 90;  ///< way from one to the next, about; 0: none
+    double kerb_m = 0.12;       ///< height of pavements; 0: none
     double parked_per_km = 50, trees_per_km = 50, bushes_per_km = 40, posts_per_km = 50;  ///< of each side
     double ground_cell_m = 2;
     double reach_m = 130;                        ///< how far from the way there is ground
     std::vector<std::vector<double>> galleries;  ///< from to width height, along the way
+    std::vector<std::vector<double>> tunnels;    ///< the same
 };
 
 struct Town {
@@ -44,5 +46,10 @@ void add_ground(TriangleMesh& mesh, const Street& driven, const StreetIndex& str
 /// Side walls, niches between pillars, and a ceiling over the way from `from_m` to `to_m`.
 void add_gallery(TriangleMesh& mesh, const Street& driven, const Ground& ground, double from_m, double to_m,
                  double width_m, double height_m, std::uint64_t seed);
+
+/// Smooth side walls and a flat ceiling, of the same cross section wherever one is: nothing tells how far one
+/// has come.
+void add_tunnel(TriangleMesh& mesh, const Street& driven, const Ground& ground, double from_m, double to_m,
+                double width_m, double height_m);
 
 }  // namespace loopline::simulation

@@ -1,0 +1,101 @@
+#include "gnss/geo_reference.h"
+
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+#include "api/parameters.h"
+#include "gnss/limits.h"
+#include "gnss/utm.h"
+
+namespace loopline::gnss {
+namespace {
+
+std::string trimmed(const std::string& text) {
+    const std::size_t begin = text.find_first_not_of(" \t\r");
+    if (begin == std::string::npos) return {};
+    return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+/// The value of a key within its range, which is then taken from the map.
+double taken(std::map<std::string, double>& values, const std::string& key, double most,
+             const std::string& name) {
+    const auto found = values.find(key);
+    if (found == values.end()) throw std::runtime_error(name + " has no " + key + "; add it");
+    const double value = found->second;
+    if (!(std::abs(value) <= most))
+        throw std::runtime_error(name + " has a " + key + " beyond " + number_text(most) + "; correct it");
+    values.erase(found);
+    return value;
+}
+
+}  // namespace
+
+GeoReference::GeoReference(const Geodetic& origin, double heading_deg)
+    : frame_(origin),
+      heading_deg_(heading_deg),
+      R_enu_map_(Eigen::AngleAxisd(heading_deg * rad_per_deg, Eigen::Vector3d::UnitZ()).toRotationMatrix()) {}
+
+std::string georeference_text(const GeoReference& reference) {
+    const Geodetic& origin = reference.origin();
+    std::string text =
+        "# The origin of the map on WGS84; the height is above the ellipsoid, the heading is that of the "
+        "map's x\n"
+        "# axis, counter-clockwise from east.\n"
+        "latitude_deg = " +
+        number_text(origin.latitude_deg) + "\nlongitude_deg = " + number_text(origin.longitude_deg) +
+        "\nheight_m = " + number_text(origin.height_m) +
+        "\nheading_deg = " + number_text(reference.heading_deg()) + "\n";
+    if (const auto utm = to_utm(origin))
+        text += "# UTM zone " + std::to_string(utm->zone) + (utm->north ? " north" : " south") + ": east " +
+                number_text(utm->easting_m) + " m, north " + number_text(utm->northing_m) +
+                " m; grid north lies " + number_text(utm->convergence_rad / rad_per_deg) +
+                " deg clockwise from true north, the scale is " + number_text(utm->scale) + "\n";
+    return text;
+}
+
+GeoReference georeference_from_text(const std::string& text, const std::string& name) {
+    std::map<std::string, double> values;
+    std::istringstream lines(text);
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number) {
+        line = trimmed(line);
+        if (line.empty() || line[0] == '#') continue;
+        const std::size_t equals = line.find('=');
+        const std::string place = name + ":" + std::to_string(number);
+        if (equals == std::string::npos)
+            throw std::runtime_error(place + " is no line of a georeference; write key = value");
+        const std::string key = trimmed(line.substr(0, equals));
+        const auto value = number_from_text(trimmed(line.substr(equals + 1)));
+        if (!value) throw std::runtime_error(place + ": " + key + " is not a number; correct it");
+        if (!values.emplace(key, *value).second)
+            throw std::runtime_error(place + " says " + key + " a second time; remove one of the two");
+    }
+    Geodetic origin;
+    origin.latitude_deg = taken(values, "latitude_deg", 90, name);
+    origin.longitude_deg = taken(values, "longitude_deg", 360, name);
+    origin.height_m = taken(values, "height_m", most_height_m, name);
+    const double heading_deg = values.count("heading_deg") > 0 ? taken(values, "heading_deg", 360, name) : 0;
+    if (!values.empty())
+        throw std::runtime_error(name + " has the key " + values.begin()->first +
+                                 ", which a georeference does not know; remove it");
+    return {origin, heading_deg};
+}
+
+void write_georeference(const std::string& file, const GeoReference& reference) {
+    std::ofstream stream(file, std::ios::binary);
+    stream << georeference_text(reference);
+    stream.close();
+    if (!stream) throw std::runtime_error("can't write " + file + "; give a folder that can be written");
+}
+
+GeoReference read_georeference(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    if (!stream) throw std::runtime_error("can't read " + file + "; give a file with a georeference");
+    return georeference_from_text(text.str(), file);
+}
+
+}  // namespace loopline::gnss
