@@ -29,14 +29,17 @@ bool is_finite(const mrpt::poses::CPose2D& pose) {
 }  // namespace
 
 ModuleInfo Odometry::info() const {
-    return {"odometry",
-            "Dead reckoning from wheel odometry, interpolated to the stamp of every 2D scan and of every "
-            "sweep of a "
-            "spinning lidar.",
-            {"CObservationOdometry"},
-            {"CObservation2DRangeScan", "CObservationRotatingScan", "CObservationVelodyneScan",
-             "CObservationPointCloud"},
-            {"CObservationOdometry"}};
+    ModuleInfo info{"odometry",
+                    "Dead reckoning from wheel odometry, interpolated to the stamp of every 2D scan.",
+                    {"CObservationOdometry", "CObservation2DRangeScan"},
+                    {},
+                    {"CObservationOdometry"}};
+    if (sweeps_) {
+        info.uses = {"CObservation2DRangeScan", "CObservationRotatingScan", "CObservationVelodyneScan",
+                     "CObservationPointCloud"};
+        info.needs.pop_back();
+    }
+    return info;
 }
 
 ParameterTable Odometry::parameters() {
@@ -47,6 +50,9 @@ ParameterTable Odometry::parameters() {
               "Odometry sensor to use; empty for the one that comes first in the log, others are ignored.")
         .list("scans", scan_labels_,
               "Labels of the lasers and spinning lidars whose scans get a dead-reckoned pose; empty for all.")
+        .boolean("sweeps", sweeps_,
+                 "Sweeps of spinning lidars get one, too, labelled odometry_at_sweep, and scans need not be "
+                 "there.")
         .real("metres_per_tick_left_m", drive_.metres_per_tick_left_m, Range::at_least(0),
               "Way of the left wheel for one encoder tick; needed with source = ticks.")
         .real("metres_per_tick_right_m", drive_.metres_per_tick_right_m, Range::at_least(0),

@@ -66,7 +66,7 @@ TEST(LidarOdometryRuns, wheels_in_front_of_a_map) {
         const auto driven = metrics_of(
             folder, short_street_log(),
             "modules = " + modules + "\ntrajectory = lidar_mapping\n[lidar_mapping]\nodometry = " + odometry +
-                "\nevery_sweeps = 4\n",
+                "\nevery_sweeps = 4\n[odometry]\nsweeps = true\n",
             odometry);
         ASSERT_FALSE(driven.is_null());
         EXPECT_LT(driven.at("ate_rmse_m").get<double>(), 0.1);
