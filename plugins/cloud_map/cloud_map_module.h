@@ -7,13 +7,14 @@
 
 #include "api/map_maker.h"
 #include "api/module.h"
+#include "api/timed_per.h"
 #include "cloud_map/cloud_map_options.h"
 #include "cloud_map/pose_window.h"
 
 namespace loopline {
 
 /// A sweep waits for the pose that ends it, mostly the next sweep's.
-class CloudMapModule : public Module, public MapMaker {
+class CloudMapModule : public Module, public MapMaker, public TimedPerSweep {
     DEFINE_MRPT_OBJECT(CloudMapModule, loopline)
  public:
     ModuleInfo info() const override;

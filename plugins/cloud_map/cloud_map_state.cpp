@@ -80,8 +80,9 @@ void fields(Archive& archive, TileStore& store) {
 
 template <class Archive>
 void fields(Archive& archive, CloudMapper& m) {
-    archive(m.store_, m.views_, m.views_taken_, m.viewed_from_m_, m.viewed_ns_, m.has_sweeps_, m.judges_,
-            m.next_judged_[0], m.next_judged_[1]);
+    archive(m.store_, m.views_, m.views_taken_, m.viewed_from_m_, m.viewed_ns_, m.has_sweeps_, m.before_m_,
+            m.new_candidates_);
+    archive(m.pass_.is_under_way, m.pass_.tile[0], m.pass_.tile[1], m.pass_.block, m.pass_.looks_per_sweep);
     fields_by_tile(archive, m.tiles_);
     archive(m.counts_.returns, m.counts_.moving, m.counts_.most_blocks, m.counts_.most_candidates);
 }
@@ -104,11 +105,11 @@ void fields(Archive& archive, CloudMapModule& m) {
 }
 
 void CloudMapModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 1, *this);
+    write_state(out, info().name, 2, *this);
 }
 
 void CloudMapModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 1, *this);
+    read_state(in, info().name, 2, *this);
 }
 
 }  // namespace loopline

@@ -60,22 +60,38 @@ class CloudMapper {
     friend void fields(Archive&, CloudMapper&);
     using TileIndex = TileStore::TileIndex;
 
+    /// Neighbouring blocks of a tile.
+    struct Piece {
+        TileIndex index{};
+        Tile* tile = nullptr;
+        std::size_t begin = 0, end = 0;
+    };
+    /// How far the latest view has judged the candidates.
+    struct Pass {
+        bool is_under_way = false;
+        TileIndex tile{};  ///< that is next, from this block on
+        std::uint64_t block = 0;
+        std::uint64_t looks_per_sweep = 0;
+    };
+
     Tile& tile_of(const CubeIndex& block);
     void insert(const Eigen::Vector3d& p_map_m, std::uint32_t time_ticks, std::uint16_t intensity);
     void insert_points(const lidar::SpinningScan& scan, const std::vector<std::uint16_t>& intensity);
     bool is_view_due(StampNs stamp_ns) const;
     void take_view(const lidar::SpinningScan& scan);
-    void judge(Tile& tile, bool is_last, std::vector<CloudPoint>& given, std::uint64_t& moving) const;
+    void judge(const Piece& piece, bool is_last, std::vector<CloudPoint>& given, std::uint64_t& moving) const;
     void look_at(const Eigen::Vector3d& p_map_m, Candidate& candidate) const;
     bool is_moving(const Candidate& candidate) const;
     bool stands_still(const Candidate& candidate) const;
     bool is_decided(const Candidate& candidate) const;
     CloudPoint point_of(const Block& block, const Candidate& candidate) const;
     Eigen::Vector3d place_m(const Block& block, const Candidate& candidate) const;
-    void judge_all(const std::vector<TileIndex>& tiles, bool is_last);
-    void judge_some(double share);
+    void judge_all(const std::vector<Piece>& pieces, bool is_last);
+    void begin_pass(std::uint64_t candidates);
+    std::uint64_t looks_at(const Block& block) const;
+    void judge_next();
     void forget_far_tiles();
-    void count_held();
+    std::uint64_t count_held();
 
     CloudMapSettings settings_;
     double per_voxel_;  ///< of a metre
@@ -90,8 +106,9 @@ class CloudMapper {
     Eigen::Vector3d viewed_from_m_ = Eigen::Vector3d::Zero();
     StampNs viewed_ns_ = 0;
     bool has_sweeps_ = false;
-    bool judges_ = false;  ///< tiles from `next_judged_` on wait to be judged by the latest view
-    TileIndex next_judged_{};
+    Eigen::Vector3d before_m_ = Eigen::Vector3d::Zero();  ///< the lidar, in the sweep before
+    std::uint64_t new_candidates_ = 0;                    ///< since the latest view
+    Pass pass_;
     CloudMapCounts counts_;
 
     // The tile and block met last: neighbouring beams mostly meet the same.

@@ -7,13 +7,14 @@
 #include "api/module.h"
 #include "api/pose3_record.h"
 #include "api/set_aside.h"
+#include "api/timed_per.h"
 #include "lidar/observation_scan.h"
 #include "lidar_mapping/published_odometry.h"
 #include "lidar_mapping/sweep_mapping.h"
 
 namespace loopline {
 
-class LidarMappingModule : public Module {
+class LidarMappingModule : public Module, public TimedPerSweep {
     DEFINE_MRPT_OBJECT(LidarMappingModule, loopline)
  public:
     static constexpr const char* published_label = "lidar_mapping";

@@ -14,6 +14,9 @@ constexpr double doubtful_part = 0.93, jerk_factor = 10;
 /// But not where the surroundings hold it no better than this: much would fit there.
 constexpr double clear_m = 0.01;
 
+/// While the speed at the start is sought, one of so many points of the second sweep is matched.
+constexpr std::size_t search_every = 3;
+
 /// Sweeps that go to the map wherever the vehicle is.
 constexpr std::uint64_t first_sweeps = 5;
 
@@ -108,42 +111,47 @@ MotionState SweepMapping::moving_first(const Twist3& velocity) const {
     return state;
 }
 
-/// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward, and
-/// the first sweep is put into the map as it was seen from the vehicle at the speed that fits best.
-void SweepMapping::follow_first(double duration_s) {
-    struct Start {
-        Registration found;
-        Twist3 velocity;
-    };
-    MotionState first;
+/// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward. At a
+/// constant twist a thing that is seen at the same time of both sweeps lies exp(tau xi) apart in them as they
+/// came: so for the search neither is undistorted, and the first one makes a map only once.
+Twist3 SweepMapping::search_first_velocity(double duration_s) {
     RegistrationSettings rough = settings_.registration;
     rough.iterations = std::min(rough.iterations, 5);
-    const auto try_from = [&](const Twist3& velocity, const RegistrationSettings& how) {
-        first = moving_first(velocity);
-        map_.clear();
-        add_to_map(first_, first);
-        return register_sweep(map_, matched_, predict(first, duration_s, settings_.motion), how, workers_);
-    };
-    const auto try_speed = [&](double speed_mps) {
-        Start start{try_from({{speed_mps, 0, 0}, {0, 0, 0}}, rough), {}};
-        start.velocity =
-            log_se3(first.T_map_base.inverse() * start.found.state.T_map_base) * (1 / duration_s);
-        return start;
-    };
-    if (!(duration_s > 0)) {
-        last_ = try_from({}, settings_.registration);
-        return;
+    std::vector<SweepPoint> still = first_, few;
+    for (SweepPoint& point : still) point.time_s = 0;
+    for (std::size_t i = 0; i < matched_.size(); i += search_every) {
+        few.push_back(matched_[i]);
+        few.back().time_s = 0;
     }
-    Start best = try_speed(0);
+    MotionState first = first_state(settings_.motion);
+    map_.clear();
+    add_to_map(still, first);
+    const auto try_speed = [&](double speed_mps) {
+        first.velocity = {{speed_mps, 0, 0}, {0, 0, 0}};
+        return register_sweep(map_, few, predict(first, duration_s, settings_.motion), rough, workers_);
+    };
+    Registration best = try_speed(0);
     double speed_mps = 0;
     for (int worse = 0; worse < 2 && speed_mps < settings_.first_speed_max_mps;) {
         speed_mps += settings_.first_speed_step_mps;
-        const Start tried = try_speed(speed_mps);
-        const bool better = tried.found.support > 1.1 * best.found.support;
+        const Registration tried = try_speed(speed_mps);
+        const bool better = tried.support > 1.1 * best.support;
         worse = better ? 0 : worse + 1;
         if (better) best = tried;
     }
-    last_ = try_from(best.velocity, settings_.registration);
+    return log_se3(best.state.T_map_base) * (1 / duration_s);
+}
+
+/// The first sweep is put into the map as it was seen from the vehicle at the speed that fits best.
+void SweepMapping::follow_first(double duration_s) {
+    const auto follow_from = [&](const Twist3& velocity) {
+        const MotionState first = moving_first(velocity);
+        map_.clear();
+        add_to_map(first_, first);
+        last_ = register_sweep(map_, matched_, predict(first, duration_s, settings_.motion),
+                               settings_.registration, workers_);
+    };
+    follow_from(duration_s > 0 ? search_first_velocity(duration_s) : Twist3());
 }
 
 /// As another odometry has it. It also tells the velocity of the first sweep.

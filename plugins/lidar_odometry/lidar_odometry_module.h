@@ -7,6 +7,7 @@
 #include "api/module.h"
 #include "api/pose3_record.h"
 #include "api/set_aside.h"
+#include "api/timed_per.h"
 #include "lidar/observation_scan.h"
 #include "lidar_odometry/sweep_odometry.h"
 
@@ -15,7 +16,7 @@ namespace loopline {
 /// For every sweep it publishes the pose since the first sweep with its covariance, and from the second on
 /// the motion since the sweep before: both as CObservationRobotPose, the latter labelled `motion_label`, with
 /// the sensor's frame at the sweep before as its map.
-class LidarOdometryModule : public Module {
+class LidarOdometryModule : public Module, public TimedPerSweep {
     DEFINE_MRPT_OBJECT(LidarOdometryModule, loopline)
  public:
     static constexpr const char* published_label = "lidar_odometry";

@@ -38,6 +38,13 @@ SweepFeatures one_of(SweepFeatures features, std::size_t every) {
     return features;
 }
 
+/// All as if seen at one moment.
+SweepFeatures still(SweepFeatures features) {
+    for (auto* list : {&features.edges, &features.planar})
+        for (Feature& feature : *list) feature.time_s = 0;
+    return features;
+}
+
 }  // namespace
 
 /// The velocity goes on, but for noise.
@@ -60,29 +67,38 @@ ExpectedMotion SweepOdometry::first_expected(const Twist3& velocity, double dura
     return motion;
 }
 
-/// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward, each
-/// with the first sweep as it was seen at that speed.
-MatchedMotion SweepOdometry::match_first(double duration_s) {
+/// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried. At a constant
+/// twist a thing that is seen at the same time of both sweeps lies exp(tau xi) apart in them as they came: so
+/// for the search neither is undistorted, and the first one is prepared only once.
+Twist3 SweepOdometry::search_first_velocity(double duration_s) {
     MatchingSettings quick = settings_.matching;
-    quick.rounds = 4;
-    const SweepFeatures few = one_of(now_, 6);
-    const auto match_from = [&](const SweepFeatures& now, const Twist3& velocity,
-                                const MatchingSettings& settings) {
-        reference_.set(before_, velocity);
-        return match_sweeps(reference_, now, first_expected(velocity, duration_s), settings, workers_);
+    quick.rounds = 3;
+    const SweepFeatures few = still(one_of(now_, 8));
+    reference_.set(before_, {});
+    const auto match_from = [&](double speed_mps) {
+        return match_sweeps(reference_, few, first_expected({{speed_mps, 0, 0}, {0, 0, 0}}, duration_s),
+                            quick, workers_);
     };
-    MatchedMotion best = match_from(few, {}, quick);
+    MatchedMotion best = match_from(0);
     for (double speed_mps = settings_.first_speed_min_mps; speed_mps <= settings_.first_speed_max_mps;
          speed_mps += settings_.first_speed_step_mps) {
-        const MatchedMotion found = match_from(few, {{speed_mps, 0, 0}, {0, 0, 0}}, quick);
+        const MatchedMotion found = match_from(speed_mps);
         if (found.support > best.support) best = found;
     }
-    const Twist3 nearly = log_se3(best.T_before_now) * (1 / duration_s);
-    const Twist3 velocity =
-        log_se3(match_from(now_, nearly, settings_.matching).T_before_now) * (1 / duration_s);
+    return log_se3(best.T_before_now) * (1 / duration_s);
+}
+
+MatchedMotion SweepOdometry::match_first(double duration_s) {
+    const auto match_from = [&](const SweepFeatures& now, const Twist3& velocity) {
+        reference_.set(before_, velocity);
+        return match_sweeps(reference_, now, first_expected(velocity, duration_s), settings_.matching,
+                            workers_);
+    };
+    const Twist3 nearly = search_first_velocity(duration_s);
+    const Twist3 velocity = log_se3(match_from(one_of(now_, 3), nearly).T_before_now) * (1 / duration_s);
     // The map's origin is where the vehicle was at the stamp of the first sweep.
     T_map_middle_ = exp_se3(velocity * middle_s_);
-    return match_from(now_, velocity, settings_.matching);
+    return match_from(now_, velocity);
 }
 
 bool SweepOdometry::add(const lidar::SpinningScan& scan) {

@@ -40,6 +40,7 @@ class SweepOdometry {
     friend void fields(Archive&, SweepOdometry&);
     ExpectedMotion expected(double duration_s) const;
     ExpectedMotion first_expected(const Twist3& velocity, double duration_s) const;
+    Twist3 search_first_velocity(double duration_s);
     MatchedMotion match_first(double duration_s);
     void follow(const MatchedMotion& motion, const ExpectedMotion& expected);
     void carry_covariance(const Matrix6d& motion, const Matrix6d& kept, const Eigen::Vector3d& way_m,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "api/observation_class.h"
 
@@ -13,6 +14,14 @@ IMPLEMENTS_MRPT_OBJECT(Odometry, Module, loopline)
 
 namespace {
 
+/// By name, since two of the classes lie in a library that is not needed here else.
+bool is_sweep(const mrpt::obs::CObservation& observation) {
+    const std::string_view name = observation.GetRuntimeClass()->className;
+    const std::string_view last = name.substr(name.rfind(':') + 1);
+    return last == "CObservationRotatingScan" || last == "CObservationVelodyneScan" ||
+           last == "CObservationPointCloud";
+}
+
 bool is_finite(const mrpt::poses::CPose2D& pose) {
     return std::isfinite(pose.x()) && std::isfinite(pose.y()) && std::isfinite(pose.phi());
 }
@@ -20,11 +29,17 @@ bool is_finite(const mrpt::poses::CPose2D& pose) {
 }  // namespace
 
 ModuleInfo Odometry::info() const {
-    return {"odometry",
-            "Dead reckoning from wheel odometry, interpolated to the stamp of every 2D scan.",
-            {"CObservationOdometry", "CObservation2DRangeScan"},
-            {},
-            {"CObservationOdometry"}};
+    ModuleInfo info{"odometry",
+                    "Dead reckoning from wheel odometry, interpolated to the stamp of every 2D scan.",
+                    {"CObservationOdometry", "CObservation2DRangeScan"},
+                    {},
+                    {"CObservationOdometry"}};
+    if (sweeps_) {
+        info.uses = {"CObservation2DRangeScan", "CObservationRotatingScan", "CObservationVelodyneScan",
+                     "CObservationPointCloud"};
+        info.needs.pop_back();
+    }
+    return info;
 }
 
 ParameterTable Odometry::parameters() {
@@ -34,7 +49,10 @@ ParameterTable Odometry::parameters() {
         .text("sensor_label", sensor_label_,
               "Odometry sensor to use; empty for the one that comes first in the log, others are ignored.")
         .list("scans", scan_labels_,
-              "Labels of the lasers whose scans get a dead-reckoned pose; empty for all.")
+              "Labels of the lasers and spinning lidars whose scans get a dead-reckoned pose; empty for all.")
+        .boolean("sweeps", sweeps_,
+                 "Sweeps of spinning lidars get one, too, labelled odometry_at_sweep, and scans need not be "
+                 "there.")
         .real("metres_per_tick_left_m", drive_.metres_per_tick_left_m, Range::at_least(0),
               "Way of the left wheel for one encoder tick; needed with source = ticks.")
         .real("metres_per_tick_right_m", drive_.metres_per_tick_right_m, Range::at_least(0),
@@ -75,14 +93,16 @@ void Odometry::process(const StreamItem& item, Publisher& publisher) {
     const auto* observation = item.observation.get();
     if (const auto* odometry = as<mrpt::obs::CObservationOdometry>(observation)) {
         take_odometry(*odometry, item.stamp_ns);
-    } else if (as<mrpt::obs::CObservation2DRangeScan>(observation) &&
-               (scan_labels_.empty() || std::find(scan_labels_.begin(), scan_labels_.end(),
-                                                  observation->sensorLabel) != scan_labels_.end())) {
-        at_scans_.add_scan(item.sequence, item.stamp_ns);
-        waiting_.push_back({item.sequence, item.stamp_ns, observation->timestamp});
-        ++scans_;
     } else {
-        return;
+        const bool scan = as<mrpt::obs::CObservation2DRangeScan>(observation),
+                   sweep = !scan && is_sweep(*observation);
+        if (!scan && !sweep) return;
+        if (!scan_labels_.empty() && std::find(scan_labels_.begin(), scan_labels_.end(),
+                                               observation->sensorLabel) == scan_labels_.end())
+            return;
+        at_scans_.add_scan(item.sequence, item.stamp_ns);
+        waiting_.push_back({item.sequence, item.stamp_ns, observation->timestamp, sweep});
+        ++scans_;
     }
     while (const auto placed = at_scans_.next()) publish(*placed, publisher);
 }
@@ -93,7 +113,9 @@ void Odometry::drain(Publisher& publisher) {
 
 void Odometry::take_odometry(const mrpt::obs::CObservationOdometry& observation, StampNs stamp_ns) {
     // What an earlier run recorded is no second sensor, unless it is asked for.
-    const bool own = observation.sensorLabel == published_label && sensor_label_ != published_label;
+    const bool own =
+        (observation.sensorLabel == published_label || observation.sensorLabel == label_at_sweep) &&
+        sensor_label_ != observation.sensorLabel;
     if (!own && !label_in_use_ && (sensor_label_.empty() || sensor_label_ == observation.sensorLabel))
         label_in_use_ = observation.sensorLabel;
     if (own || label_in_use_ != observation.sensorLabel) {
@@ -136,7 +158,7 @@ void Odometry::publish(const PlacedScan& placed, Publisher& publisher) {
     path_.push_back({placed.scan, stamp.stamp_ns, placed.T_odom_base});
 
     const auto observation = pool_.take();
-    observation->sensorLabel = published_label;
+    observation->sensorLabel = stamp.is_sweep ? label_at_sweep : published_label;
     observation->timestamp = stamp.timestamp;
     observation->odometry = {placed.T_odom_base.x_m, placed.T_odom_base.y_m, placed.T_odom_base.phi_rad};
     observation->hasEncodersInfo = placed.ticks.has_value();

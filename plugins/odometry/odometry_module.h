@@ -17,12 +17,14 @@
 namespace loopline {
 
 /// For every CObservation2DRangeScan it publishes one CObservationOdometry, labelled "odometry_at_scan", with
-/// the scan's stamp and the scan's sequence. Its trajectory is the dead-reckoned pose of every scan, the
-/// first one at the origin, with a covariance that grows with the way.
+/// the scan's stamp and the scan's sequence; if asked for, for every sweep of a spinning lidar the same,
+/// labelled "odometry_at_sweep", so that wheels can drive module lidar_mapping. Its trajectory is the
+/// dead-reckoned pose of every scan and sweep, the first one at the origin, with a covariance that grows with
+/// the way.
 class Odometry : public Module {
     DEFINE_MRPT_OBJECT(Odometry, loopline)
  public:
-    static constexpr const char* published_label = "odometry_at_scan";
+    static constexpr const char *published_label = "odometry_at_scan", *label_at_sweep = "odometry_at_sweep";
 
     ModuleInfo info() const override;
     ParameterTable parameters() override;
@@ -45,6 +47,7 @@ class Odometry : public Module {
         std::uint64_t sequence;
         StampNs stamp_ns;
         mrpt::Clock::time_point timestamp;
+        bool is_sweep = false;
     };
 
     /// Of one scan.
@@ -61,6 +64,7 @@ class Odometry : public Module {
     Source source_ = Source::pose;
     std::string sensor_label_;
     std::vector<std::string> scan_labels_;
+    bool sweeps_ = false;
     DifferentialDrive drive_;
     OdometryNoise noise_;
     OdometryAtScansSettings synchronisation_;

@@ -4,7 +4,7 @@
 
 namespace loopline {
 namespace {
-constexpr std::uint32_t form_version = 2;
+constexpr std::uint32_t form_version = 3;
 }
 
 template <class Archive>
@@ -32,7 +32,8 @@ template <class Archive>
 void fields(Archive& archive, Odometry& odometry) {
     auto& o = odometry;
     archive(o.at_scans_, o.label_in_use_, o.unwrap_ticks_, o.last_ticks_, o.T_odom_base_of_ticks_);
-    archive.each(o.waiting_, [](auto& a, auto& scan) { a(scan.sequence, scan.stamp_ns, scan.timestamp); });
+    archive.each(o.waiting_,
+                 [](auto& a, auto& scan) { a(scan.sequence, scan.stamp_ns, scan.timestamp, scan.is_sweep); });
     archive(o.path_);
     archive(o.samples_, o.ignored_, o.without_ticks_, o.not_finite_, o.scans_, o.by_file_order_,
             o.extrapolated_);

@@ -37,11 +37,13 @@ TEST(CloudMap, gives_the_same_files_for_any_number_of_threads_and_pictures_of_th
         const auto metrics = nlohmann::json::parse(file_text(out / "metrics.json"));
         EXPECT_GT(metrics.at("cloud_points").get<int>(), 25'000);
         EXPECT_EQ(metrics.at("cloud_sweeps"), metrics.at("scans_used"));
+        EXPECT_EQ(metrics.at("modules").at("cloud_map").at("calls"), metrics.at("cloud_sweeps"));
         EXPECT_FALSE(std::filesystem::exists(out / "scratch"));
     }
     const auto out = folder / "out1";
     for (const std::string view : {"top", "axonometric"})
-        for (const std::string& source : {out.string(), (out / "map.cloud.ply").string()}) {
+        for (const std::string& source :
+             {out.string(), (out / "map.cloud.ply").string(), (out / "map.cloud.las").string()}) {
             const auto picture = folder / (view + ".png");
             const auto result = run_loopline(
                 {"render", source, "--view", view, "--size", "640x480", "--out", picture.string()});

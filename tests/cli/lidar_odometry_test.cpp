@@ -50,6 +50,8 @@ TEST(LidarOdometryRuns, alone_and_in_front_of_a_map_that_is_matched_with_every_t
                                  "both");
     ASSERT_FALSE(both.is_null());
     EXPECT_LT(both.at("ate_rmse_m").get<double>(), 0.06);
+    // Told per sweep, though two poses come with each.
+    EXPECT_EQ(both.at("modules").at("lidar_mapping").at("calls"), both.at("scans_used"));
     // Each sweep has its pose, also those between.
     EXPECT_EQ(lines_of((folder / "both/trajectory.tum").string()),
               lines_of((folder / "alone/trajectory.tum").string()));
@@ -57,12 +59,22 @@ TEST(LidarOdometryRuns, alone_and_in_front_of_a_map_that_is_matched_with_every_t
 
 TEST(LidarOdometryRuns, wheels_in_front_of_a_map) {
     const TemporaryFolder folder;
-    const auto driven = metrics_of(folder, short_street_log(),
-                                   "modules = lidar_mapping\ntrajectory = lidar_mapping\n[lidar_mapping]\n"
-                                   "odometry = wheels\nevery_sweeps = 4\n",
-                                   "driven");
-    ASSERT_FALSE(driven.is_null());
-    EXPECT_LT(driven.at("ate_rmse_m").get<double>(), 0.1);
+    // The readings themselves, or what module odometry makes of them at the stamp of each sweep.
+    const std::vector<std::pair<std::string, std::string>> chains = {
+        {"lidar_mapping", "wheels"}, {"odometry lidar_mapping", "odometry_at_sweep"}};
+    for (const auto& [modules, odometry] : chains) {
+        const auto driven = metrics_of(
+            folder, short_street_log(),
+            "modules = " + modules + "\ntrajectory = lidar_mapping\n[lidar_mapping]\nodometry = " + odometry +
+                "\nevery_sweeps = 4\n[odometry]\nsweeps = true\n",
+            odometry);
+        ASSERT_FALSE(driven.is_null());
+        EXPECT_LT(driven.at("ate_rmse_m").get<double>(), 0.1);
+        EXPECT_EQ(driven.at("scans_used"), driven.at("modules").at("lidar_mapping").at("calls"));
+    }
+    // Dead reckoning has a pose at each sweep, too.
+    EXPECT_EQ(lines_of((folder / "odometry_at_sweep/odometry.tum").string()),
+              lines_of((folder / "odometry_at_sweep/trajectory.tum").string()));
 }
 
 TEST(LidarOdometryRuns, an_odometry_that_never_comes_is_warned_of) {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "cli/run_support.h"
+#include "output/stored_cloud_files.h"
 #include "pipeline/log_file.h"
 
 using namespace loopline;
@@ -23,8 +24,9 @@ class RenderDamaged : public ::testing::Test {
  protected:
     static void SetUpTestSuite() {
         maker_ = std::make_unique<SmallRun>("odometry");
-        const auto result = maker_->run(telecom_log, {"--set", "outputs.maps=true", "--set",
-                                                      "run.maps=grid simplemap", "--set", "grid.resolution_m=0.5"});
+        const auto result =
+            maker_->run(telecom_log, {"--set", "outputs.maps=true", "--set", "run.maps=grid simplemap",
+                                      "--set", "grid.resolution_m=0.5"});
         ASSERT_EQ(result.exit_code, 0) << result.err;
     }
     static void TearDownTestSuite() { maker_.reset(); }
@@ -99,4 +101,34 @@ TEST_F(RenderDamaged, a_rawlog_is_no_map) {
     const auto evaluated = test::run_loopline(
         {"evaluate", "--estimate", folder_ / "hostile.rawlog", "--reference", folder_ / "hostile.rawlog"});
     expect_refusal(evaluated);
+}
+
+TEST_F(RenderDamaged, a_cloud_with_flipped_bits_gives_a_picture_or_a_sentence_and_one_cut_off_a_sentence) {
+    StoredCloud cloud;
+    std::mt19937_64 random(5);
+    for (int k = 0; k < 11'000; ++k) {
+        CloudPoint point;
+        for (auto& x : point.place) x = static_cast<std::int32_t>(random() % 400'000);
+        cloud.push_back(point);
+    }
+    write_ply(folder_ / "c.ply", cloud);
+    write_pcd(folder_ / "c.pcd", cloud);
+    write_las(folder_ / "c.las", cloud);
+    for (const std::string extension : {".ply", ".pcd", ".las"}) {
+        const std::string bytes = file_bytes(folder_ / ("c" + extension));
+        std::filesystem::remove(picture());
+        for (const std::size_t kept : {std::size_t{3}, std::size_t{120}, bytes.size() - 1})
+            expect_refusal(render(extension, bytes.substr(0, kept)));
+        for (int i = 0; i < 5; ++i) {
+            std::string mutant = bytes;
+            for (int flip = 0; flip < 4; ++flip)
+                mutant[random() % 240] ^= static_cast<char>(1 << (random() % 8));
+            std::filesystem::remove(picture());
+            const auto result = render(extension, mutant);
+            if (result.exit_code == 0)
+                EXPECT_TRUE(std::filesystem::exists(picture()));
+            else
+                expect_refusal(result);
+        }
+    }
 }

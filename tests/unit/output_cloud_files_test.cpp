@@ -4,7 +4,7 @@
 
 #include "output/stored_cloud_files.h"
 #include "output_test_support.h"
-#include "render/point_files.h"
+#include "support/points_in.h"
 
 using namespace loopline;
 using namespace output_test;
@@ -75,8 +75,8 @@ TEST(StoredCloudFiles, ply_and_pcd_hold_every_number_as_float_near_the_origin_an
                 expect_rows<double>(pcd, "DATA binary\n", cloud);
             }
             // What draws them reads them, too.
-            const auto from_ply = read_ply_points(folder / "a.ply"),
-                       from_pcd = read_pcd_points(folder / "a.pcd");
+            const auto from_ply = test::points_in(folder / "a.ply"),
+                       from_pcd = test::points_in(folder / "a.pcd");
             ASSERT_EQ(from_ply.size(), 3000u);
             ASSERT_EQ(from_pcd.size(), 3000u);
             for (std::size_t i = 0; i < 3000; ++i) {
@@ -140,6 +140,6 @@ TEST(StoredCloudFiles, of_a_cloud_without_points_are_whole_all_the_same) {
     const StoredCloud cloud;
     write_ply(folder / "a.ply", cloud);
     write_las(folder / "a.las", cloud);
-    EXPECT_TRUE(read_ply_points(folder / "a.ply").empty());
+    EXPECT_TRUE(test::points_in(folder / "a.ply").empty());
     EXPECT_EQ(content(folder / "a.las").size(), 227u);
 }

@@ -13,10 +13,11 @@
 #include "output/map_server_grid.h"
 #include "output/mrpt_object_file.h"
 #include "output/point_cloud_files.h"
+#include "output/stored_cloud_files.h"
 #include "output/tum.h"
 #include "pipeline/run_record.h"
-#include "render/point_files.h"
 #include "render/scene_content.h"
+#include "support/points_in.h"
 #include "support/run_program.h"
 
 using namespace loopline;
@@ -68,7 +69,7 @@ TEST(RenderPointFiles, what_the_writers_wrote) {
     const auto points = three_points();
     write_ply(folder / "p.ply", *points);
     write_pcd(folder / "p.pcd", *points);
-    for (const auto& read : {read_ply_points(folder / "p.ply"), read_pcd_points(folder / "p.pcd")}) {
+    for (const auto& read : {test::points_in(folder / "p.ply"), test::points_in(folder / "p.pcd")}) {
         ASSERT_EQ(read.size(), 3u);
         EXPECT_EQ(read[0], Eigen::Vector3f(1.5f, -2, 0.25f));
         EXPECT_EQ(read[2], Eigen::Vector3f(-1e4f, 0, 1));
@@ -79,31 +80,93 @@ TEST(RenderPointFiles, other_programs_layouts) {
     const test::TemporaryFolder folder;
     const std::vector<Eigen::Vector3f> expected = {{1, 2, 3}, {4, 5, 6}};
     EXPECT_EQ(
-        read_ply_points(folder.write(
+        test::points_in(folder.write(
             "a.ply",
             "ply\r\nformat ascii 1.0\r\ncomment x\r\nelement vertex 3\r\nproperty uchar red\r\n"
             "property double z\r\nproperty float x\r\nproperty float y\r\nelement face 0\r\n"
             "property list uchar int vertex_indices\r\nend_header\r\n255 3 1 2\r\n0 6 4 5\r\n0 nan 1 1\r\n")),
         expected);
     EXPECT_EQ(
-        read_ply_points(folder.write(
+        test::points_in(folder.write(
             "b.ply",
             "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty uchar red\nproperty float x\n"
             "property float y\nproperty float z\nend_header\n" +
                 std::string("\x07") + bytes_of_floats({1, 2, 3}) + "\x09" + bytes_of_floats({4, 5, 6}))),
         expected);
     EXPECT_EQ(
-        read_pcd_points(folder.write("a.pcd",
+        test::points_in(folder.write("a.pcd",
                                      "# .PCD v.7\nVERSION .7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F "
                                      "U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
                                      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 3 9\n4 5 6 9\n")),
         expected);
-    EXPECT_EQ(read_pcd_points(folder.write(
+    EXPECT_EQ(test::points_in(folder.write(
                   "b.pcd",
                   "VERSION .7\nFIELDS n x y z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 2 1 1 1\nWIDTH 2\nHEIGHT 1\n"
                   "POINTS 2\nDATA binary\n" +
                       bytes_of_floats({8, 8, 1, 2, 3, 8, 8, 4, 5, 6}))),
               expected);
+}
+
+TEST(RenderPointFiles, of_a_cloud_are_drawn_from_the_file_whatever_the_stride) {
+    const test::TemporaryFolder folder;
+    StoredCloud cloud;
+    std::vector<Eigen::Vector3f> all;
+    for (std::int32_t k = 0; k < 12'345; ++k) {
+        CloudPoint point;
+        point.place = {7 * k - 30'000, -3 * k, k % 11'000};
+        cloud.push_back(point);
+        all.push_back(point.p_map_m().cast<float>());
+    }
+    write_ply(folder / "c.ply", cloud);
+    write_pcd(folder / "c.pcd", cloud);
+    write_las(folder / "c.las", cloud);
+    for (const char* name : {"c.ply", "c.pcd", "c.las"}) {
+        const auto content = scene_from_path(folder / name);
+        ASSERT_NE(content.cloud, nullptr) << name;
+        EXPECT_EQ(content.cloud->size(), all.size());
+        for (const std::size_t stride : {1, 7, 2'000, 20'000}) {
+            std::size_t k = 0;
+            content.cloud->for_each(stride, [&](const Eigen::Vector3f& p) {
+                ASSERT_LT((p - all[k]).norm(), 1e-6f) << name << k;
+                k += stride;
+            });
+            EXPECT_EQ(k, (all.size() + stride - 1) / stride * stride) << name;
+        }
+    }
+}
+
+TEST(RenderPointFiles, of_las_1_4_count_with_64_bits_and_have_units_and_an_origin) {
+    const test::TemporaryFolder folder;
+    std::string las(375 + 2 * 30, '\0');
+    const auto put = [&las](std::size_t offset, auto value) {
+        std::memcpy(&las[offset], &value, sizeof value);
+    };
+    las.replace(0, 4, "LASF");
+    put(24, std::uint8_t{1});
+    put(25, std::uint8_t{4});
+    put(94, std::uint16_t{375});
+    put(96, std::uint32_t{375});
+    put(104, std::uint8_t{6});
+    put(105, std::uint16_t{30});
+    put(247, std::uint64_t{2});
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        put(131 + 8 * axis, 0.01);
+        put(155 + 8 * axis, 100.0 * static_cast<double>(axis + 1));
+        put(375 + 30 + 4 * axis, std::int32_t{-50});
+    }
+    const auto points = test::points_in(folder.write("a.las", las));
+    ASSERT_EQ(points.size(), 2u);
+    EXPECT_EQ(points[0], Eigen::Vector3f(100, 200, 300));
+    EXPECT_EQ(points[1], Eigen::Vector3f(99.5f, 199.5f, 299.5f));
+
+    expect_refused(folder.write("cut.las", las.substr(0, las.size() - 1)), "ends after 1 of 2 points");
+    expect_refused(folder.write("head.las", las.substr(0, 100)), "ends inside its header");
+    expect_refused(folder.write("other.las", "PK"), "not a LAS file");
+    put(104, std::uint8_t{128 + 6});
+    expect_refused(folder.write("packed.las", las), "is compressed");
+    put(104, std::uint8_t{6});
+    put(105, std::uint16_t{0});
+    expect_refused(folder.write("rows.las", las), "it is damaged");
 }
 
 TEST(RenderPointFiles, damaged_ones_are_refused_with_a_sentence) {

@@ -7,8 +7,8 @@
 
 #include "output/map_files.h"
 #include "render/cloud_splat.h"
-#include "render/point_files.h"
 #include "render/render.h"
+#include "support/points_in.h"
 #include "support/run_program.h"
 
 using namespace loopline;
@@ -60,9 +60,9 @@ TEST(SurveyFiles, clouds_come_back_from_ply_and_pcd_bit_for_bit) {
                                                "map.survey.ply",          "map.survey.pcd",
                                                "map.survey_odometry.ply", "map.survey_odometry.pcd"};
     EXPECT_EQ(list.files, expected);
-    EXPECT_EQ(read_ply_points(folder / "map.survey.ply"), points);
-    EXPECT_EQ(read_pcd_points(folder / "map.survey.pcd"), points);
-    EXPECT_EQ(read_ply_points(folder / "map.survey_odometry.ply"), moved);
+    EXPECT_EQ(test::points_in(folder / "map.survey.ply"), points);
+    EXPECT_EQ(test::points_in(folder / "map.survey.pcd"), points);
+    EXPECT_EQ(test::points_in(folder / "map.survey_odometry.ply"), moved);
 
     const SceneContent content = scene_from_path(folder.path());
     EXPECT_EQ(content.points_m.size(), 1u) << "a survey is no part of the plan's points";

@@ -70,14 +70,15 @@ class RenderCommand : public Command {
     }
 
     void declare(CLI::App& app) override {
-        app.add_option(
-               "source", source_,
-               "run directory, or a .tum, .ply, .pcd, .gridmap, map_server .yaml, .simplemap or line .csv")
+        app.add_option("source", source_,
+                       "run directory, or a .tum, .ply, .pcd, .las, .gridmap, map_server .yaml, .simplemap "
+                       "or line .csv")
             ->required()
             ->type_name("RUNDIR|FILE");
-        app.add_option("--view", view_,
-                       "top, axonometric, follow (behind the vehicle at its last pose), before_after, survey_top or "
-                       "survey_axonometric")
+        app.add_option(
+               "--view", view_,
+               "top, axonometric, follow (behind the vehicle at its last pose), before_after, survey_top or "
+               "survey_axonometric")
             ->capture_default_str()
             ->type_name("VIEW");
         app.add_option("--size", size_, "width and height in pixels")

@@ -30,9 +30,14 @@ void use_large_pages() {
         ::madvise(reinterpret_cast<void*>(from), to - from, MADV_HUGEPAGE);  // or it stays as it is
 }
 
+void give_back_free_memory() {
+    ::malloc_trim(0);
+}
+
 }  // namespace loopline
 #else
 
 void loopline::use_large_pages() {}
+void loopline::give_back_free_memory() {}
 
 #endif

@@ -8,4 +8,8 @@ namespace loopline {
 /// such page more than is needed.
 void use_large_pages();
 
+/// What is free in the heap goes back to the system: a picture takes more memory than the estimate that it
+/// shows, and should not take it beside what the estimate needed.
+void give_back_free_memory();
+
 }  // namespace loopline

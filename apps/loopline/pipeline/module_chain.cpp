@@ -37,7 +37,8 @@ ModuleChain::ModuleChain(const std::vector<Module::Ptr>& modules, WorkerState* s
       earlier_timings_(modules.size()),
       state_(state),
       listener_(std::move(listener)) {
-    for (const auto& module : modules_) interests_.emplace_back(module->info());
+    for (const auto& module : modules_)
+        interests_.emplace_back(module->info(), dynamic_cast<const TimedPer*>(module.get()));
 }
 
 void ModuleChain::start(const RunContext& context) {

@@ -8,6 +8,7 @@
 
 #include "pipeline/checkpoint.h"
 #include "pipeline/estimate_pass.h"
+#include "pipeline/large_pages.h"
 #include "pipeline/map_pass.h"
 #include "pipeline/run_outputs.h"
 #include "pipeline/run_scratch.h"
@@ -60,6 +61,7 @@ int run_experiment(const RunSetup& setup, const Attempt& attempt) {
     map_pass(setup, attempt, items, record);
     write_results(setup, record, attempt.rules.state);
     tell_problems(record);
+    give_back_free_memory();
     draw_results(setup, record, attempt.rules.state);
     if (record.status != "interrupted") remove_checkpoint(setup.folder);
     if (!setup.quiet) tell_result(record, setup.folder);

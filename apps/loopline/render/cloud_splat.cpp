@@ -12,27 +12,34 @@ namespace {
 
 constexpr float nothing = -INFINITY;
 
+constexpr int shades = 256;
+
+/// What is nearest to the eye in each pixel.
 struct Surface {
-    cv::Mat1f depth_m;   ///< towards the eye
-    cv::Mat1f height_m;  ///< of the nearest point
+    cv::Mat1f depth_m;  ///< towards the eye
+    cv::Mat1b shade;    ///< by its height
 };
 
-Surface nearest_points(cv::Size size, const PointSource& cloud, const ParallelView& view, float cut_m,
-                       int side_px) {
-    Surface surface{cv::Mat1f(size, nothing), cv::Mat1f(size, 0.0f)};
+Surface nearest_points(cv::Size size, const PointSource& cloud, const ParallelView& view,
+                       const HeightColours& colours, int side_px) {
+    Surface surface{cv::Mat1f(size, nothing), cv::Mat1b(size, uchar{0})};
     const float right = static_cast<float>(size.width - side_px + 1),
                 lower = static_cast<float>(size.height - side_px + 1);
+    const auto cut_m = static_cast<float>(colours.cut_m);
+    const double per_m = (shades - 1) / std::max(1e-3, colours.highest_m - colours.lowest_m);
     cloud.for_each(1, [&](const Eigen::Vector3f& p_map_m) {
         if (!(p_map_m.z() <= cut_m)) return;
         const Eigen::Vector3f p = view(p_map_m);
         if (!(p.x() >= 0 && p.y() >= 0 && p.x() < right && p.y() < lower)) return;
         const int column = static_cast<int>(p.x()), row = static_cast<int>(p.y());
+        const double at = (p_map_m.z() - colours.lowest_m) * per_m;
+        const auto shade = static_cast<uchar>(std::clamp(at, 0.0, shades - 1.0));
         for (int r = row; r < row + side_px; ++r) {
             float* depth = surface.depth_m[r] + column;
             for (int c = 0; c < side_px; ++c)
                 if (p.z() > depth[c]) {
                     depth[c] = p.z();
-                    surface.height_m(r, column + c) = p_map_m.z();
+                    surface.shade(r, column + c) = shade;
                 }
         }
     });
@@ -68,17 +75,13 @@ constexpr std::size_t sample_size = 200'000;
 
 cv::Mat1f splat_cloud(cv::Mat& bgr, const PointSource& cloud, const ParallelView& view,
                       const HeightColours& colours, int side_px) {
-    const Surface surface =
-        nearest_points(bgr.size(), cloud, view, static_cast<float>(colours.cut_m), side_px);
-    constexpr int shades = 256;
+    const Surface surface = nearest_points(bgr.size(), cloud, view, colours, side_px);
     std::array<Colour, shades> ramp;
     for (int i = 0; i < shades; ++i) ramp[static_cast<std::size_t>(i)] = palette::height(i / (shades - 1.0));
-    const double per_m = (shades - 1) / std::max(1e-3, colours.highest_m - colours.lowest_m);
     for (int row = 0; row < bgr.rows; ++row)
         for (int column = 0; column < bgr.cols; ++column) {
             if (surface.depth_m(row, column) == nothing) continue;
-            const double at = (surface.height_m(row, column) - colours.lowest_m) * per_m;
-            const Colour& c = ramp[static_cast<std::size_t>(std::clamp(at, 0.0, shades - 1.0))];
+            const Colour& c = ramp[surface.shade(row, column)];
             const float light = light_at(surface.depth_m, row, column);
             bgr.at<cv::Vec3b>(row, column) =
                 cv::Vec3b(cv::saturate_cast<uchar>(c.blue * light), cv::saturate_cast<uchar>(c.green * light),

@@ -2,20 +2,19 @@
 /// bytes.
 #include "render/point_files.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <fstream>
 #include <map>
-#include <optional>
 #include <sstream>
 
 #include "api/parameters.h"
-#include "commands/command.h"
+#include "render/point_rows.h"
 
 namespace loopline {
 namespace {
-
-enum class Number { signed_integer, unsigned_integer, real };
 
 struct Field {
     std::string name;
@@ -36,93 +35,71 @@ struct Layout {
     }
 };
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what) {
-    throw CommandError(exit_input_data, file.string() + " " + what + ".");
-}
-
-double value_at(const char* bytes, const Field& field) {
-    const auto as = [bytes](auto zero) {
-        std::memcpy(&zero, bytes, sizeof zero);
-        return static_cast<double>(zero);
-    };
-    if (field.number == Number::real) return field.bytes == 8 ? as(0.0) : as(0.f);
-    const bool is_signed = field.number == Number::signed_integer;
-    switch (field.bytes) {
-        case 1:
-            return is_signed ? as(std::int8_t{}) : as(std::uint8_t{});
-        case 2:
-            return is_signed ? as(std::int16_t{}) : as(std::uint16_t{});
-        case 4:
-            return is_signed ? as(std::int32_t{}) : as(std::uint32_t{});
-        default:
-            return is_signed ? as(std::int64_t{}) : as(std::uint64_t{});
-    }
-}
-
-/// Where x, y and z stand: byte offset in a binary row, number of the value in a text row.
-struct Column {
-    Field field;
-    std::size_t offset_bytes = 0, index = 0;
+/// Where x, y and z stand: in a binary row, and as numbers of values in a text row.
+struct Coordinates {
+    std::array<PointColumn, 3> columns;
+    std::array<std::size_t, 3> index{};
 };
 
-std::vector<Column> coordinate_columns(const std::filesystem::path& file, const Layout& layout) {
-    std::vector<Column> columns;
-    for (const char* name : {"x", "y", "z"}) {
+Coordinates coordinates_of(const std::filesystem::path& file, const Layout& layout) {
+    Coordinates found;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::string name(1, "xyz"[axis]);
         std::size_t offset = 0, index = 0;
-        std::optional<Column> found;
+        bool is_there = false;
         for (const auto& field : layout.fields) {
-            if (field.name == name) found = Column{field, offset, index};
+            if (field.name == name) {
+                found.columns[axis] = {field.number, field.bytes, offset};
+                found.index[axis] = index;
+                is_there = true;
+            }
             offset += field.bytes * field.count;
             index += field.count;
         }
-        if (!found) refuse(file, std::string("has no field ") + name + " per point");
-        columns.push_back(*found);
+        if (!is_there) refuse_points(file, "has no field " + name + " per point");
     }
-    return columns;
+    return found;
 }
 
-std::vector<Eigen::Vector3f> read_rows(const std::filesystem::path& file, std::istream& in,
-                                       const Layout& layout) {
-    const auto columns = coordinate_columns(file, layout);
-    std::vector<Eigen::Vector3f> points_m;
-    const auto keep = [&points_m](const Eigen::Vector3f& p) {
-        if (p.allFinite()) points_m.push_back(p);
-    };
-    const auto cut = [&](std::uint64_t row) {
-        refuse(file, "ends after " + std::to_string(row) + " of " + std::to_string(layout.points) +
-                         " points; it was not written to its end");
-    };
+Eigen::Vector3f point_of_text(const std::string& line, const Coordinates& coordinates) {
+    std::istringstream words(line);
+    std::vector<std::string> values;
+    for (std::string word; words >> word;) values.push_back(word);
+    Eigen::Vector3f p = Eigen::Vector3f::Constant(NAN);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (coordinates.index[axis] < values.size())
+            if (const auto value = number_from_text(values[coordinates.index[axis]]))
+                p[static_cast<int>(axis)] = static_cast<float>(*value);
+    return p;
+}
+
+/// `in` stands behind the header.
+std::shared_ptr<const PointSource> points_behind(const std::filesystem::path& file, std::istream& in,
+                                                 const Layout& layout) {
+    const Coordinates coordinates = coordinates_of(file, layout);
     if (layout.binary) {
-        std::vector<char> row(layout.row_bytes());
-        for (std::uint64_t i = 0; i < layout.points; ++i) {
-            if (!in.read(row.data(), static_cast<std::streamsize>(row.size()))) cut(i);
-            Eigen::Vector3f p;
-            for (int axis = 0; axis < 3; ++axis)
-                p[axis] = static_cast<float>(
-                    value_at(row.data() + columns[axis].offset_bytes, columns[axis].field));
-            keep(p);
-        }
-        return points_m;
+        PointRows rows;
+        rows.file = file;
+        rows.begin = static_cast<std::uint64_t>(std::max<std::streamoff>(0, in.tellg()));
+        rows.points = layout.points;
+        rows.row_bytes = layout.row_bytes();
+        rows.axes = coordinates.columns;
+        return std::make_shared<PointsOfFile>(std::move(rows));
     }
+    std::vector<Eigen::Vector3f> points_m;
     std::string line;
     for (std::uint64_t i = 0; i < layout.points; ++i) {
-        if (!std::getline(in, line)) cut(i);
-        std::istringstream words(line);
-        std::vector<std::string> values;
-        for (std::string word; words >> word;) values.push_back(word);
-        Eigen::Vector3f p = Eigen::Vector3f::Constant(NAN);
-        for (int axis = 0; axis < 3; ++axis)
-            if (columns[axis].index < values.size())
-                if (const auto value = number_from_text(values[columns[axis].index]))
-                    p[axis] = static_cast<float>(*value);
-        keep(p);
+        if (!std::getline(in, line))
+            refuse_points(file, "ends after " + std::to_string(i) + " of " + std::to_string(layout.points) +
+                                    " points; it was not written to its end");
+        points_m.push_back(point_of_text(line, coordinates));
     }
-    return points_m;
+    return std::make_shared<PointsInMemory>(std::move(points_m));
 }
 
 std::ifstream opened(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
-    if (!in) refuse(file, "can't be read");
+    if (!in) refuse_points(file, "can't be read");
     return in;
 }
 
@@ -135,7 +112,7 @@ bool header_line(std::istream& in, std::string& line) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> read_ply_points(const std::filesystem::path& file) {
+std::shared_ptr<const PointSource> ply_points(const std::filesystem::path& file) {
     static const std::map<std::string, std::pair<Number, std::size_t>> types = {
         {"char", {Number::signed_integer, 1}},
         {"int8", {Number::signed_integer, 1}},
@@ -155,7 +132,7 @@ std::vector<Eigen::Vector3f> read_ply_points(const std::filesystem::path& file) 
         {"float64", {Number::real, 8}}};
     auto in = opened(file);
     std::string line;
-    if (!header_line(in, line) || line != "ply") refuse(file, "is not a PLY file");
+    if (!header_line(in, line) || line != "ply") refuse_points(file, "is not a PLY file");
     Layout layout;
     std::string element;
     bool ended = false;
@@ -165,11 +142,11 @@ std::vector<Eigen::Vector3f> read_ply_points(const std::filesystem::path& file) 
         words >> key >> first >> second;
         if (key == "format") {
             if (first != "ascii" && first != "binary_little_endian")
-                refuse(file,
-                       "is in the PLY format " + first + "; ascii and binary_little_endian can be read");
+                refuse_points(
+                    file, "is in the PLY format " + first + "; ascii and binary_little_endian can be read");
             layout.binary = first != "ascii";
         } else if (key == "element") {
-            if (element.empty() && first != "vertex") refuse(file, "does not begin with its vertices");
+            if (element.empty() && first != "vertex") refuse_points(file, "does not begin with its vertices");
             element = first;
             if (first == "vertex")
                 layout.points =
@@ -177,16 +154,16 @@ std::vector<Eigen::Vector3f> read_ply_points(const std::filesystem::path& file) 
         } else if (key == "property" && element == "vertex") {
             const auto type = types.find(first);
             if (type == types.end())
-                refuse(file, "has a vertex property of type " + first + ", which can't be read");
+                refuse_points(file, "has a vertex property of type " + first + ", which can't be read");
             layout.fields.push_back({second, type->second.first, type->second.second, 1});
         }
         ended = key == "end_header";
     }
-    if (!ended) refuse(file, "ends inside its header");
-    return read_rows(file, in, layout);
+    if (!ended) refuse_points(file, "ends inside its header");
+    return points_behind(file, in, layout);
 }
 
-std::vector<Eigen::Vector3f> read_pcd_points(const std::filesystem::path& file) {
+std::shared_ptr<const PointSource> pcd_points(const std::filesystem::path& file) {
     auto in = opened(file);
     Layout layout;
     std::string line, data;
@@ -213,11 +190,24 @@ std::vector<Eigen::Vector3f> read_pcd_points(const std::filesystem::path& file) 
                 field.count = number >= 1 && number < 1e5 ? static_cast<std::size_t>(number) : 1;
         }
     }
-    if (layout.fields.empty() || data.empty()) refuse(file, "is not a PCD file");
+    if (layout.fields.empty() || data.empty()) refuse_points(file, "is not a PCD file");
     if (data != "ascii" && data != "binary")
-        refuse(file, "has PCD data of the kind " + data + "; ascii and binary can be read");
+        refuse_points(file, "has PCD data of the kind " + data + "; ascii and binary can be read");
     layout.binary = data == "binary";
-    return read_rows(file, in, layout);
+    return points_behind(file, in, layout);
+}
+
+std::shared_ptr<const PointSource> points_of_file(const std::filesystem::path& file) {
+    const auto extension = file.extension();
+    return extension == ".ply" ? ply_points(file) : extension == ".las" ? las_points(file) : pcd_points(file);
+}
+
+std::vector<Eigen::Vector3f> finite_points(const PointSource& points) {
+    std::vector<Eigen::Vector3f> points_m;
+    points.for_each(1, [&](const Eigen::Vector3f& p) {
+        if (p.allFinite()) points_m.push_back(p);
+    });
+    return points_m;
 }
 
 }  // namespace loopline

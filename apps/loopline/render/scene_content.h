@@ -41,7 +41,7 @@ struct SceneContent {
 };
 
 SceneContent scene_from_record(const RunRecord& record, const std::string& title);
-/// A run directory, or one file: .tum, .ply, .pcd, .gridmap, map_server .yaml, .simplemap, line .csv.
+/// A run directory, or one file: .tum, .ply, .pcd, .las, .gridmap, map_server .yaml, .simplemap, line .csv.
 /// Throws CommandError(exit_input_data) with a sentence if there is nothing to draw.
 SceneContent scene_from_path(const std::filesystem::path& run_directory_or_file);
 

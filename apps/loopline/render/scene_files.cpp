@@ -5,13 +5,13 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "commands/command.h"
 #include "output/line_map_csv.h"
 #include "output/map_server_grid.h"
 #include "output/tum.h"
-#include "render/content_bounds.h"
 #include "render/point_files.h"
 #include "render/scene_content.h"
 
@@ -71,13 +71,21 @@ void add_simple_map(const fs::path& file, SceneContent& content) {
     }
 }
 
-std::vector<Eigen::Vector3f> points_from(const fs::path& file) {
-    return file.extension() == ".ply" ? read_ply_points(file) : read_pcd_points(file);
+/// Whether points are of a map in space rather than of level scans.
+bool are_cloud(const PointSource& points) {
+    if (points.size() < fewest_of_cloud) return false;
+    float low_m = INFINITY, high_m = -INFINITY;
+    points.for_each(1, [&](const Eigen::Vector3f& p) {
+        if (!p.allFinite()) return;
+        low_m = std::min(low_m, p.z());
+        high_m = std::max(high_m, p.z());
+    });
+    return high_m - low_m > level_m;
 }
 
 mrpt::maps::CPointsMap::Ptr cloud_from(const fs::path& file) {
     const auto cloud = mrpt::maps::CSimplePointsMap::Create();
-    for (const auto& p : points_from(file)) cloud->insertPointFast(p.x(), p.y(), p.z());
+    for (const auto& p : finite_points(*points_of_file(file))) cloud->insertPointFast(p.x(), p.y(), p.z());
     cloud->mark_as_modified();
     return cloud;
 }
@@ -122,7 +130,7 @@ SceneContent scene_from_run(const fs::path& folder) {
     if (fs::exists(folder / "map.lines.csv")) content.lines = read_line_map_csv(folder / "map.lines.csv");
     for (const auto& file : files_like(folder, "map.", ".ply")) {
         if (file.filename() == "map.cloud.ply") {
-            content.cloud = std::make_shared<PointsInMemory>(points_from(file));
+            content.cloud = points_of_file(file);
             continue;
         }
         if (file.filename().string().rfind("map.points", 0) != 0) {
@@ -131,7 +139,7 @@ SceneContent scene_from_run(const fs::path& folder) {
         }
         const bool is_odometry = file.filename().string().find("odometry") != std::string::npos;
         auto& all = is_odometry ? content.points_odometry_m : content.points_m;
-        const auto points_m = points_from(file);
+        const auto points_m = finite_points(*points_of_file(file));
         all.insert(all.end(), points_m.begin(), points_m.end());
     }
     for (const char* end : {".gridmap", ".yaml"})
@@ -146,12 +154,12 @@ SceneContent scene_from_file(const fs::path& file) {
     if (extension == ".tum") {
         (file.filename() == "odometry.tum" ? content.odometry_path : content.estimated_path) =
             path_from_tum(file);
-    } else if (extension == ".ply" || extension == ".pcd") {
-        auto points_m = points_from(file);
-        if (points_m.size() >= fewest_of_cloud && bounds_of_points(points_m).extent_m().z() > level_m)
-            content.cloud = std::make_shared<PointsInMemory>(std::move(points_m));
+    } else if (extension == ".ply" || extension == ".pcd" || extension == ".las") {
+        const auto points = points_of_file(file);
+        if (are_cloud(*points))
+            content.cloud = points;
         else
-            content.points_m = std::move(points_m);
+            content.points_m = finite_points(*points);
     } else if (extension == ".gridmap" || extension == ".yaml") {
         content.grid = grid_from(file);
     } else if (extension == ".simplemap") {
@@ -161,7 +169,7 @@ SceneContent scene_from_file(const fs::path& file) {
     } else {
         throw CommandError(exit_input_data,
                            file.string() +
-                               " is of no kind that can be drawn; a run directory, .tum, .ply, .pcd, "
+                               " is of no kind that can be drawn; a run directory, .tum, .ply, .pcd, .las, "
                                ".gridmap, .yaml, .simplemap or a map.lines.csv can.");
     }
     return content;

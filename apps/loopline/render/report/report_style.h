@@ -34,6 +34,7 @@ figure { margin: 0; background: var(--card); border: 1px solid var(--rule); bord
 figure img { display: block; width: 100%; height: auto; background: #fff; }
 figcaption { padding: 8px 14px; font-size: .9rem; color: var(--quiet); border-top: 1px solid var(--rule); }
 .pictures, .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 430px), 1fr)); gap: 16px; align-items: start; }
+.plots figure:only-child { max-width: 640px; } .pictures figure:last-child:nth-child(2) { grid-column: 1 / -1; }
 .pictures figure:first-child { grid-column: 1 / -1; }
 .corrections { margin-top: 16px; } .pictures.corrections figure:first-child { grid-column: auto; }
 td .badge { margin-left: 0; }

@@ -74,6 +74,8 @@ std::vector<RunFile> files_below(const fs::path& folder) {
         if (!entry.is_regular_file(error)) continue;
         const std::string path = entry.path().lexically_relative(folder).generic_string();
         const std::string name = entry.path().filename().string();
+        // Gone as soon as the run has come to its end.
+        if (path == "checkpoint.bin" || path.rfind("scratch/", 0) == 0) continue;
         if (path != "report.html" && name.front() != '.') files.push_back({path, entry.file_size(error)});
     }
     std::sort(files.begin(), files.end(), [](const RunFile& a, const RunFile& b) {

@@ -1,0 +1,164 @@
+/// Which candidates of a cloud are points of it, and which were only passing by: as views tell, a share of
+/// them with each sweep.
+#include <algorithm>
+#include <cmath>
+
+#include "cloud_map/cloud_mapper.h"
+
+namespace loopline::cloud_map {
+namespace {
+
+constexpr double fewest_sweeps = 2, most_sweeps = 5;  // that a view's judging is spread over
+constexpr std::uint64_t pieces_per_sweep = 16;        // among the threads
+constexpr double beyond_range_m =
+    15;  // where a tile is forgotten: not at once, for a vehicle that goes to and fro
+
+void count_up(std::uint8_t& count) {
+    if (count < 255) ++count;
+}
+
+}  // namespace
+
+void CloudMapper::look_at(const Eigen::Vector3d& p_map_m, Candidate& candidate) const {
+    // What is new since the view before is looked for in all of them, from the oldest on, so that what stands
+    // there now but did not then is found out; what is older was, in those.
+    const bool is_new = candidate.view == views_taken_;
+    for (std::size_t k = is_new ? 0 : views_.size() - 1; k < views_.size() && !stands_still(candidate); ++k) {
+        const RangeView& view = views_[k];
+        const Evidence evidence =
+            view.look((p_map_m - view.origin_m()).cast<float>(), settings_.removal.view);
+        if (evidence == Evidence::seen) count_up(candidate.seen);
+        if (evidence == Evidence::through) count_up(candidate.through);
+    }
+}
+
+bool CloudMapper::is_moving(const Candidate& candidate) const {
+    return candidate.through >= settings_.removal.least_through &&
+           candidate.through > settings_.removal.through_per_seen * candidate.seen;
+}
+
+bool CloudMapper::stands_still(const Candidate& candidate) const {
+    return candidate.through == 0 && candidate.seen >= settings_.removal.surely_there;
+}
+
+bool CloudMapper::is_decided(const Candidate& candidate) const {
+    return stands_still(candidate) ||
+           views_taken_ - candidate.view >= static_cast<std::uint32_t>(settings_.removal.views);
+}
+
+Eigen::Vector3d CloudMapper::place_m(const Block& block, const Candidate& candidate) const {
+    Eigen::Vector3d p_m;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int voxel = block.index[axis] * Block::edge + (candidate.place >> (6 - 3 * axis) & 7);
+        p_m[static_cast<int>(axis)] = (voxel + (candidate.offset[axis] + 0.5) / 256) * settings_.voxel_m;
+    }
+    return p_m;
+}
+
+CloudPoint CloudMapper::point_of(const Block& block, const Candidate& candidate) const {
+    const Eigen::Vector3d p_m = place_m(block, candidate);
+    CloudPoint point;
+    for (int axis = 0; axis < 3; ++axis)
+        point.place[static_cast<std::size_t>(axis)] =
+            static_cast<std::int32_t>(std::llround(p_m[axis] / CloudPoint::unit_m));
+    point.time_ticks = candidate.time_ticks;
+    point.intensity = candidate.intensity;
+    return point;
+}
+
+void CloudMapper::judge(const Piece& piece, bool is_last, std::vector<CloudPoint>& given,
+                        std::uint64_t& moving) const {
+    for (std::size_t b = piece.begin; b < piece.end; ++b) {
+        Block& block = piece.tile->blocks()[b];
+        if (block.candidates().empty()) continue;
+        block.judge([&](Candidate& candidate) {
+            if (!is_last && candidate.view > views_taken_) return Block::Fate::stays;  // the next view's
+            if (settings_.removal.remove_moving) {
+                if (!is_last) look_at(place_m(block, candidate), candidate);
+                if (!is_last && !is_decided(candidate)) return Block::Fate::stays;
+                if (is_moving(candidate)) {
+                    ++moving;
+                    return Block::Fate::dropped;
+                }
+            }
+            given.push_back(point_of(block, candidate));
+            return Block::Fate::given;
+        });
+    }
+}
+
+/// Each piece by itself, whoever does it; their points are appended in the order of the pieces.
+void CloudMapper::judge_all(const std::vector<Piece>& pieces, bool is_last) {
+    std::vector<std::vector<CloudPoint>> given(pieces.size());
+    std::vector<std::uint64_t> moving(pieces.size(), 0);
+    workers_.run(pieces.size(), [&](std::size_t k) { judge(pieces[k], is_last, given[k], moving[k]); });
+    std::vector<CloudPoint> of_tile;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+        of_tile.insert(of_tile.end(), given[k].begin(), given[k].end());
+        counts_.moving += moving[k];
+        if (k + 1 < pieces.size() && pieces[k + 1].index == pieces[k].index) continue;
+        store_.append(pieces[k].index, of_tile);
+        of_tile.clear();
+    }
+}
+
+/// All candidates are judged by the latest view before the next one is due, as fast as the vehicle is now:
+/// with each sweep the same number of looks.
+void CloudMapper::begin_pass(std::uint64_t candidates) {
+    const std::uint64_t asked_of_all = std::max<std::size_t>(1, views_.size());
+    const std::uint64_t looks = candidates - new_candidates_ + new_candidates_ * asked_of_all;
+    const double way_m = std::max(1e-3, (motion_.middle_m() - before_m_).norm());
+    const auto sweeps = static_cast<std::uint64_t>(
+        std::clamp(std::ceil(settings_.removal.view_spacing_m / way_m), fewest_sweeps, most_sweeps));
+    pass_ = {!tiles_.empty(), tiles_.empty() ? TileIndex{} : tiles_.begin()->first, 0, looks / sweeps + 1};
+    new_candidates_ = 0;
+}
+
+std::uint64_t CloudMapper::looks_at(const Block& block) const {
+    std::uint64_t looks = 0;
+    for (const Candidate& candidate : block.candidates())
+        looks += candidate.view < views_taken_ ? 1 : candidate.view == views_taken_ ? views_.size() : 0;
+    return looks;
+}
+
+/// The next candidates of the pass, in pieces of about as many looks.
+void CloudMapper::judge_next() {
+    if (!pass_.is_under_way) return;
+    const std::uint64_t per_piece = pass_.looks_per_sweep / pieces_per_sweep + 1;
+    std::vector<Piece> pieces;
+    std::uint64_t looks = 0, of_piece = 0;
+    auto tile = tiles_.lower_bound(pass_.tile);
+    std::size_t block = tile != tiles_.end() && tile->first == pass_.tile ? pass_.block : 0;
+    for (; tile != tiles_.end() && looks < pass_.looks_per_sweep; ++tile, block = 0) {
+        const std::size_t blocks = tile->second.blocks().size();
+        while (block < blocks && looks < pass_.looks_per_sweep) {
+            Piece piece{tile->first, &tile->second, block, block};
+            for (of_piece = 0; piece.end < blocks && of_piece < per_piece; ++piece.end)
+                of_piece += looks_at(piece.tile->blocks()[piece.end]);
+            looks += of_piece;
+            block = piece.end;
+            pieces.push_back(piece);
+        }
+        if (block < blocks) break;
+    }
+    pass_.is_under_way = tile != tiles_.end();
+    if (pass_.is_under_way) pass_.tile = tile->first, pass_.block = block;
+    judge_all(pieces, false);
+}
+
+void CloudMapper::forget_far_tiles() {
+    const double edge_m = tile_blocks_ * Block::edge * settings_.voxel_m;
+    const double keep_m = settings_.max_range_m + beyond_range_m + edge_m;
+    std::vector<Piece> far;
+    for (auto& [index, tile] : tiles_) {
+        const Eigen::Vector2d middle_m = edge_m * (Eigen::Vector2d(index[0], index[1]).array() + 0.5);
+        if ((middle_m - viewed_from_m_.head<2>()).norm() > keep_m)
+            far.push_back({index, &tile, 0, tile.blocks().size()});
+    }
+    judge_all(far, true);
+    for (const Piece& piece : far) tiles_.erase(piece.index);
+    last_tile_ = nullptr;
+    last_block_ = nullptr;
+}
+
+}  // namespace loopline::cloud_map
