@@ -1,5 +1,6 @@
 #include "api/pose_observation.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -41,6 +42,18 @@ PoseWithCovariance pose_of(const mrpt::obs::CObservationRobotPose& observation) 
     const auto& mean = observation.pose.mean;
     const Matrix6d E = from_angles(mean.yaw(), mean.pitch());
     return {pose3_from_mrpt(mean), E * observation.pose.cov.asEigen() * E.transpose()};
+}
+
+Matrix6d added_covariance(const PoseWithCovariance& from, const PoseWithCovariance& to) {
+    const Eigen::Vector3d way_m = to.T_map_base.translation_m - from.T_map_base.translation_m;
+    Matrix6d F = Matrix6d::Identity(), R = Matrix6d::Zero();  // an error of the attitude turns the way
+    F.topRightCorner<3, 3>() << 0, way_m.z(), -way_m.y(), -way_m.z(), 0, way_m.x(), way_m.y(), -way_m.x(), 0;
+    R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() =
+        from.T_map_base.rotation.conjugate().toRotationMatrix();
+    const Matrix6d added = R * (to.covariance - F * from.covariance * F.transpose()) * R.transpose();
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen((added + added.transpose()) / 2);
+    const Eigen::Matrix<double, 6, 1> positive = eigen.eigenvalues().cwiseMax(0);
+    return eigen.eigenvectors() * positive.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 }  // namespace loopline

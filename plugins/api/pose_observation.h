@@ -21,4 +21,8 @@ struct PoseWithCovariance {
 };
 PoseWithCovariance pose_of(const mrpt::obs::CObservationRobotPose& observation);
 
+/// What covariance the way between two poses adds, of (shift, turn) along the vehicle's axes at the first,
+/// about the vehicle at the second: an odometry's errors add up. No direction has less than none.
+Matrix6d added_covariance(const PoseWithCovariance& from, const PoseWithCovariance& to);
+
 }  // namespace loopline

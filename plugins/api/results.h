@@ -101,12 +101,19 @@ class FramePoints {
     std::function<Points(std::size_t)> points_of_;
 };
 
+/// Where a trajectory's frame lies on the Earth (WGS84): z up, x turned from east.
+struct EarthFrame {
+    double latitude_deg = 0, longitude_deg = 0, height_m = 0;  ///< of its origin; height above the ellipsoid
+    double heading_deg = 0;                                    ///< of its x axis, counter-clockwise from east
+};
+
 struct Results {
     std::map<std::string, MetricValue> metrics;  ///< sorted: the same run writes the same bytes
     std::optional<LineMap> line_map;
     std::vector<NamedMap> maps;
     std::vector<LoopDecision> loops;  ///< in the order of the log
     std::optional<PoseGraph> pose_graph;
+    std::optional<EarthFrame> earth;  ///< of the run's trajectory, if it is placed
     std::vector<PathCorrection> corrections;  ///< in the order of the log
     /// Of each frame that makes the map: its returns in the vehicle's frame, to draw the map by other poses.
     FramePoints frame_points_base_m;

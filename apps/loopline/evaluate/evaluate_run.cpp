@@ -1,10 +1,12 @@
 #include "evaluate/evaluate_run.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "evaluate/absolute_error.h"
 #include "evaluate/consistency.h"
+#include "gnss/geo_reference.h"
 
 namespace loopline {
 
@@ -33,8 +35,43 @@ void pair_with_truth(const Trajectory& trajectory, const EvaluationReference& re
     }
 }
 
+gnss::GeoReference geo_reference(const EarthFrame& frame) {
+    return {{frame.latitude_deg, frame.longitude_deg, frame.height_m}, frame.heading_deg};
+}
+
+/// Two local frames on the Earth.
+Pose3 T_between(const EarthFrame& to, const EarthFrame& from) {
+    const gnss::GeoReference a = geo_reference(to), b = geo_reference(from);
+    const auto R_ecef_map = [](const gnss::GeoReference& reference) {
+        const gnss::Geodetic& origin = reference.origin();
+        return Eigen::Matrix3d(gnss::R_ecef_enu(origin.latitude_deg, origin.longitude_deg) *
+                               reference.R_enu_map());
+    };
+    return {a.p_map_m(b.origin()),
+            Eigen::Quaterniond(Eigen::Matrix3d(R_ecef_map(a).transpose() * R_ecef_map(b))).normalized()};
+}
+
+/// Distances without any alignment.
+void compare_on_earth(const PosePairs& pairs, const Pose3& T_map_ref,
+                      std::map<std::string, MetricValue>& metrics) {
+    double horizontal = 0, vertical = 0, most = 0;
+    for (const PosePair pair : pairs) {
+        const Eigen::Vector3d e_m =
+            pair.T_map_base_estimate.translation_m - T_map_ref * pair.T_ref_base_reference.translation_m;
+        horizontal += e_m.head<2>().squaredNorm();
+        vertical += e_m.z() * e_m.z();
+        most = std::max(most, e_m.norm());
+    }
+    const auto n = static_cast<double>(pairs.size());
+    metrics["earth_rmse_m"] = std::sqrt((horizontal + vertical) / n);
+    metrics["earth_horizontal_rmse_m"] = std::sqrt(horizontal / n);
+    metrics["earth_vertical_rmse_m"] = std::sqrt(vertical / n);
+    metrics["earth_max_m"] = most;
+}
+
 void compare_with_truth(const Trajectory& trajectory, const EvaluationReference& reference,
-                        const std::filesystem::path& scratch_folder, RunEvaluation& evaluation) {
+                        const std::filesystem::path& scratch_folder, const std::optional<EarthFrame>& earth,
+                        RunEvaluation& evaluation) {
     PosePairs pairs;
     pairs.keep_in(scratch_folder);
     pair_with_truth(trajectory, reference, pairs);
@@ -56,7 +93,10 @@ void compare_with_truth(const Trajectory& trajectory, const EvaluationReference&
 
     // A run's map frame is its first pose: the truth is brought there by that pose alone.
     const PosePair first = pairs[0];
-    const Pose3 T_map_ref = first.T_map_base_estimate * first.T_ref_base_reference.inverse();
+    const bool on_earth = earth && reference.surveyed.earth;
+    const Pose3 T_map_ref = on_earth ? T_between(*earth, *reference.surveyed.earth)
+                                     : first.T_map_base_estimate * first.T_ref_base_reference.inverse();
+    if (on_earth) compare_on_earth(pairs, T_map_ref, metrics);
     const PosePair last = pairs[pairs.size() - 1];
     metrics["end_error_m"] =
         (last.T_map_base_estimate.translation_m - T_map_ref * last.T_ref_base_reference.translation_m).norm();
@@ -94,10 +134,12 @@ void compare_with_relations(const Trajectory& trajectory, const EvaluationRefere
 
 RunEvaluation evaluate_run(const Trajectory& trajectory,
                            const std::shared_ptr<const EvaluationReference>& reference,
-                           const std::filesystem::path& scratch_folder) {
+                           const std::filesystem::path& scratch_folder,
+                           const std::optional<EarthFrame>& earth) {
     RunEvaluation evaluation;
     if (!reference) return evaluation;
-    if (!reference->truth.empty()) compare_with_truth(trajectory, *reference, scratch_folder, evaluation);
+    if (!reference->truth.empty())
+        compare_with_truth(trajectory, *reference, scratch_folder, earth, evaluation);
     if (!reference->relations.empty()) compare_with_relations(trajectory, *reference, evaluation);
     return evaluation;
 }

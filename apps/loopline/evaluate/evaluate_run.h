@@ -27,10 +27,13 @@ struct RunEvaluation {
 /// Compares the latest revision of `trajectory` with `reference`; a null reference gives nothing. Does not
 /// throw. end_error_m and nees_mean are taken with the first common pose made equal, ate_* after the best
 /// rigid alignment. nees_mean is of (x, y, heading): 3 if the covariances are right. Pairs of poses are kept
-/// in a folder that may have to be made meanwhile, or in memory if it has no name.
+/// in a folder that may have to be made meanwhile, or in memory if it has no name. Where both frames are
+/// known on the Earth, `earth` being the trajectory's, nothing is made equal for end_error_m and nees_mean,
+/// and earth_rmse_m, earth_max_m, earth_horizontal_rmse_m, earth_vertical_rmse_m are distances as they are.
 RunEvaluation evaluate_run(const Trajectory& trajectory,
                            const std::shared_ptr<const EvaluationReference>& reference,
-                           const std::filesystem::path& scratch_folder = {});
+                           const std::filesystem::path& scratch_folder = {},
+                           const std::optional<EarthFrame>& earth = {});
 
 /// Of feature points: points_mean_error_m points_rms_error_m points_max_error_m, points_odometry_* of dead
 /// reckoning, and points_used; and a warning for those that were missed.

@@ -28,6 +28,9 @@ void take_row(const TextRow& row, const std::string& kind, SurveyedTruth& truth)
     } else if (kind == "level") {
         need(3, "level,number,z_m");
         truth.levels_m.push_back(row.number(2));
+    } else if (kind == "georeference") {
+        need(6, "georeference,0,latitude_deg,longitude_deg,height_m,heading_deg");
+        truth.earth = EarthFrame{row.number(2), row.number(3), row.number(4), row.number(5)};
     }
 }
 

@@ -2,12 +2,15 @@
 /// columns
 ///     kind,number,x_m,y_m,x2_m,y2_m,bottom_m,top_m
 /// of which a point needs the first four, a wall all eight, and a level (floor, ceiling) its height in the
-/// third.
+/// third; a georeference has latitude_deg,longitude_deg,height_m,heading_deg of the frame there.
 #pragma once
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <vector>
+
+#include "api/results.h"
 
 namespace loopline {
 
@@ -28,6 +31,7 @@ struct SurveyedTruth {
     std::vector<FeaturePoint> points;
     std::vector<TrueWall> walls;
     std::vector<double> levels_m;
+    std::optional<EarthFrame> earth;
 };
 
 /// Rows of other kinds, a header and comments ("#") are passed over. Throws CommandError(exit_input_data)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gnss/geo_reference.h"
 #include "output/covariance_csv.h"
 #include "output/feature_points_files.h"
 #include "output/kitti_poses.h"
@@ -14,6 +15,11 @@
 namespace loopline {
 namespace {
 
+std::string georeference_of(const EarthFrame& frame) {
+    return gnss::georeference_text(
+        {{frame.latitude_deg, frame.longitude_deg, frame.height_m}, frame.heading_deg});
+}
+
 void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, FileList& list) {
     const auto tum = [&](const char* name, const Trajectory& trajectory, Estimate estimate) {
         list.add(name, write_tum(folder / name, trajectory, estimate), "poses");
@@ -23,6 +29,10 @@ void write_trajectories(const std::filesystem::path& folder, const RunRecord& re
         tum("trajectory_online.tum", *record.trajectory, Estimate::online);
         list.add("trajectory.kitti", write_kitti_poses(folder / "trajectory.kitti", *record.trajectory),
                  "poses");
+        if (record.results.earth) {
+            write_whole_file(folder / "georeference.txt", georeference_of(*record.results.earth));
+            list.add("georeference.txt");
+        }
         list.add("covariance.csv", write_covariance_csv(folder / "covariance.csv", *record.trajectory),
                  "covariances");
     }

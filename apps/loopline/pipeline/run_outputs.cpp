@@ -20,7 +20,7 @@ void evaluate(const RunSetup& setup, RunRecord& record) {
         record.results.metrics.insert(evaluation.metrics.begin(), evaluation.metrics.end());
         record.warnings.insert(record.warnings.end(), evaluation.warnings.begin(), evaluation.warnings.end());
     };
-    add(evaluate_run(*record.trajectory, setup.reference, scratch_folder_of(setup)));
+    add(evaluate_run(*record.trajectory, setup.reference, scratch_folder_of(setup), record.results.earth));
     add(evaluate_loops(record.results.loops, *record.trajectory, setup.reference));
     add(evaluate_points(record.feature_points.points, record.feature_points.missed));
     if (setup.reference)

@@ -1,0 +1,32 @@
+/// Heading and place of a local path on the Earth, from the fixes along it: no pose has to be given (row
+/// C11).
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "api/pose3.h"
+#include "fusion/fix_noise.h"
+
+namespace loopline::fusion {
+
+/// One fix beside the path: where the antenna was by the path, and by the fix.
+struct SeenFix {
+    double time_s = 0;
+    Eigen::Vector3d p_local_m, p_enu_m;
+    SigmaOfFix sigma;
+};
+
+struct FoundHeading {
+    Pose3 T_enu_local;     ///< level: the local frame's z axis is taken to point up
+    double sigma_rad = 0;  ///< of the heading
+    double misfit = 0;     ///< mean of the normalised squares of what is left: 1 if the noise is as thought
+};
+
+/// The best heading and place, all fixes weighted by the inverse of their joint covariance, since slow errors
+/// are nearly the same in neighbouring fixes: closed form, generalised least squares in the plane. None if
+/// the path has no extent or the covariance can't be inverted.
+std::optional<FoundHeading> find_heading(const std::vector<SeenFix>& fixes);
+
+}  // namespace loopline::fusion
