@@ -26,7 +26,9 @@ constexpr double slow_mps = 1;  // Doppler shifts tell no heading below
 }  // namespace
 
 void EarthPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance) {
-    poses_.push_back({stamp_ns, T_odom_base, covariance});
+    const double step_m =
+        poses_.empty() ? 0 : (T_odom_base.translation_m - poses_.back().T_odom_base.translation_m).norm();
+    poses_.push_back({stamp_ns, T_odom_base, covariance, poses_.empty() ? 0 : poses_.back().way_m + step_m});
     if (poses_.size() > 1 && committed_)
         ahead_ =
             predict(ahead_, motion_to(poses_.size() - 1), fix_sigma_.correlation_s, fix_sigma_.correlated_m);
@@ -50,9 +52,7 @@ Motion EarthPath::motion_to(std::size_t node) const {
     const PoseNode &a = poses_[node - 1], &b = poses_[node];
     Motion motion{a.stamp_ns, b.stamp_ns, a.T_odom_base.inverse() * b.T_odom_base, b.covariance};
     const double way_m = motion.T_from_to.translation_m.norm();
-    const double since_start_m =
-        (b.T_odom_base.translation_m - poses_.front().T_odom_base.translation_m).norm();
-    if (way_m > 0 && since_start_m < start_way_m)
+    if (way_m > 0 && b.way_m < start_way_m)
         motion.covariance.diagonal().head<3>().array() += start_sigma_m * start_sigma_m;
     motion.covariance.diagonal().head<3>().array() += settings_.drift_m * settings_.drift_m * way_m;
     motion.covariance.diagonal().tail<3>().array() += settings_.drift_rad * settings_.drift_rad * way_m;
@@ -118,7 +118,7 @@ FixUse EarthPath::apply(const gnss::GnssFix& fix) {
         process_ = process;
     }
     fix_sigma_ = sigma;
-    sigma.white_m.array() += interpolation_sigma_m;
+    for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, interpolation_sigma_m);
 
     Pose3 T_base_then;
     Eigen::Vector3d v_base_mps = Eigen::Vector3d::Zero();
@@ -187,15 +187,13 @@ void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
         seen_.resize(kept);
     }
     SigmaOfFix sigma = sigma_of(fix, settings_.noise);
-    sigma.white_m.array() += start_sigma_m;
+    for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, start_sigma_m);
     seen_.push_back({seconds_between(poses_.front().stamp_ns, fix.stamp_ns), p_local_m,
                      earth_->p_enu_m(fix.antenna), sigma});
     const auto found = find_heading(seen_);
     if (!found || found->sigma_rad > settings_.heading_sigma_rad || found->misfit > 4) return;
     heading_found_sigma_rad_ = found->sigma_rad;
-    for (std::size_t i = 1; i < poses_.size(); ++i)
-        heading_way_m_ +=
-            (poses_[i].T_odom_base.translation_m - poses_[i - 1].T_odom_base.translation_m).norm();
+    heading_way_m_ = poses_[node].way_m;
     begin(found->T_enu_local);
 }
 

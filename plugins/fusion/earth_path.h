@@ -19,7 +19,7 @@ namespace loopline::fusion {
 struct EarthPathSettings {
     FixNoiseSettings noise;
     /// Of the odometry's way after 1 m, beside what it says itself: errors that neighbouring motions share.
-    double drift_m = 0.003, drift_rad = 0.01 * M_PI / 180;
+    double drift_m = 0.0015, drift_rad = 0.001 * M_PI / 180;
     double sigma_tilt_rad = 5 * M_PI / 180;     ///< of the first pose against the horizon
     double heading_sigma_rad = 3 * M_PI / 180;  ///< with which the heading is taken to be known
     double gate = 0.999;                        ///< part of good fixes that are to pass
@@ -76,6 +76,7 @@ class EarthPath {
         StampNs stamp_ns = 0;
         Pose3 T_odom_base;
         Matrix6d covariance = Matrix6d::Zero();  ///< of the motion from the one before
+        double way_m = 0;                        ///< since the first
     };
     struct Misfit {
         StampNs stamp_ns = 0;

@@ -54,7 +54,7 @@ void fields(Archive& archive, EarthPath& path) {
     archive(origin);
     if (Archive::reading && origin) path.earth_.emplace(*origin);
     archive.each(path.poses_, [](Archive& a, EarthPath::PoseNode& node) {
-        a(node.stamp_ns, node.T_odom_base, node.covariance);
+        a(node.stamp_ns, node.T_odom_base, node.covariance, node.way_m);
     });
     archive(path.waiting_, path.early_, path.seen_);
     std::optional<std::uint64_t> committed = path.committed_;
