@@ -28,21 +28,19 @@ inline std::string street_log() {
     return log;
 }
 
-/// Three seconds of a small lidar and wheels, whose readings fall between sweeps.
-inline std::string short_street_log() {
+/// Some seconds of a small lidar and wheels, whose readings fall between sweeps, and of more sensors.
+inline std::string short_street_log(const std::string& more_sensors = "") {
     static const TemporaryFolder folder;
-    static const std::string log = [] {
-        const std::string scenario = (folder / "short.ini").string(),
-                          out = (folder / "short.rawlog").string();
-        std::ofstream(scenario) << "[simulation]\nseed = 3\nsensors = wheels spinning_lidar\n[world]\n"
-                                   "generator = town\n[route]\ndrive = pushed\nwaypoint_m = 0 0\n"
+    const std::string name = "short" + more_sensors, scenario = (folder / (name + ".ini")).string(),
+                      out = (folder / (name + ".rawlog")).string();
+    if (std::filesystem::exists(out)) return out;
+    std::ofstream(scenario) << "[simulation]\nseed = 3\nsensors = wheels spinning_lidar " + more_sensors +
+                                   "\n[world]\ngenerator = town\n[route]\ndrive = pushed\nwaypoint_m = 0 0\n"
                                    "waypoint_m = 12 0\n[cart]\nspeed_mps = 5\nspeed_up_s = 2\n"
                                    "standstill_s = 1\nend_standstill_s = 1\n[spinning_lidar]\n"
                                    "beams = 32\ncolumns = 600\n[wheels]\nrate_hz = 15\n";
-        EXPECT_EQ(run_loopline({"simulate", scenario, "--out", out}).exit_code, 0);
-        return out;
-    }();
-    return log;
+    EXPECT_EQ(run_loopline({"simulate", scenario, "--out", out}).exit_code, 0);
+    return out;
 }
 
 }  // namespace loopline::test
