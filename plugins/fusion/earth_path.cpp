@@ -200,11 +200,12 @@ void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
 /// The search gave the place to linearise at; what is known begins with nothing, and all fixes are used once.
 void EarthPath::begin(const Pose3& T_enu_odom) {
     state_.T_enu_base = T_enu_odom * poses_.front().T_odom_base;
-    Vector9d sigma;
-    const double tilt_rad = settings_.sigma_tilt_rad;
-    sigma << Eigen::Vector3d::Constant(first_sigma_m), tilt_rad, tilt_rad,
+    Vector9d sigma;  // along the vehicle's axes
+    sigma << Eigen::Vector3d::Constant(first_sigma_m), settings_.sigma_roll_rad, settings_.sigma_pitch_rad,
         heading_sigma_factor * heading_found_sigma_rad_, Eigen::Vector3d::Zero();
     state_.covariance = sigma.cwiseAbs2().asDiagonal();
+    const Matrix6d R = turned_both(state_.T_enu_base.rotation);
+    state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
     committed_ = 0;
     for (const gnss::GnssFix& fix : early_) tally(apply(fix));
     early_ = {};

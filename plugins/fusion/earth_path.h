@@ -20,7 +20,8 @@ struct EarthPathSettings {
     FixNoiseSettings noise;
     /// Of the odometry's way after 1 m, beside what it says itself: errors that neighbouring motions share.
     double drift_m = 0.0015, drift_rad = 0.001 * M_PI / 180;
-    double sigma_tilt_rad = 5 * M_PI / 180;     ///< of the first pose against the horizon
+    /// Of the first pose against the horizon: roads lean less to the side than they climb.
+    double sigma_roll_rad = 1.5 * M_PI / 180, sigma_pitch_rad = 4 * M_PI / 180;
     double heading_sigma_rad = 3 * M_PI / 180;  ///< with which the heading is taken to be known
     double gate = 0.999;                        ///< part of good fixes that are to pass
     double re_entry_s =

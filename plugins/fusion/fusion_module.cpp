@@ -50,7 +50,11 @@ ParameterTable FusionModule::parameters() {
               "Errors of the height are so many times those.")
         .real("sigma_velocity_mps", s.noise.sigma_velocity_mps, {1e-3, 100},
               "Standard deviation of the receiver's velocity, east and north each.")
-        .angle("sigma_tilt_deg", s.sigma_tilt_rad, {0.01, 90}, "Of the first pose against the horizon.")
+        .angle(
+            "sigma_roll_deg", s.sigma_roll_rad, {0.01, 90},
+            "Standard deviation of how far the vehicle leans to the side at its first pose; roads lean less "
+            "than they climb.")
+        .angle("sigma_pitch_deg", s.sigma_pitch_rad, {0.01, 90}, "And of how steeply it stands there.")
         .angle("heading_sigma_deg", s.heading_sigma_rad, {0.01, 20},
                "The heading is taken to be known with this standard deviation.")
         .real("gate", s.gate, {0.5, 0.999999},
