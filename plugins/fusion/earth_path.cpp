@@ -15,6 +15,8 @@ constexpr double heading_sigma_factor = 5;
 /// An odometry that has just begun to move errs by more than it says: what it goes by was seen from one
 /// place.
 constexpr double start_way_m = 3, start_sigma_m = 0.02;
+/// Refused fixes that are right agree for so long.
+constexpr double agreement_s = 3;
 /// What is unknown again after a re-entry.
 constexpr double re_entry_heading_rad = 0.1;
 constexpr double interpolation_sigma_m = 0.003;
@@ -141,6 +143,7 @@ FixUse EarthPath::apply(const gnss::GnssFix& fix) {
         ++re_entries_;
     }
     misfits_.clear();
+    used_ns_ = fix.stamp_ns;
     sum_of_squares_ += place.square() / 3;
     ++squares_;
     state_ = updated(state_, place);
@@ -160,7 +163,9 @@ FixUse EarthPath::apply(const gnss::GnssFix& fix) {
 bool EarthPath::is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m) {
     misfits_.push_back({stamp_ns, off_m});
     const auto n = static_cast<Eigen::Index>(misfits_.size());
-    if (n < 5 || seconds_between(misfits_.front().stamp_ns, stamp_ns) < settings_.re_entry_s) return false;
+    if (n < 5 || seconds_between(misfits_.front().stamp_ns, stamp_ns) < agreement_s ||
+        seconds_between(used_ns_, stamp_ns) < settings_.re_entry_s)
+        return false;
     Eigen::MatrixX2d when(n, 2);
     Eigen::MatrixX3d off(n, 3);
     for (Eigen::Index i = 0; i < n; ++i) {

@@ -24,8 +24,9 @@ struct EarthPathSettings {
     double sigma_roll_rad = 1.5 * M_PI / 180, sigma_pitch_rad = 4 * M_PI / 180;
     double heading_sigma_rad = 3 * M_PI / 180;  ///< with which the heading is taken to be known
     double gate = 0.999;                        ///< part of good fixes that are to pass
-    double re_entry_s =
-        30;             ///< fixes that agree with one another for so long are right, whatever the filter says
+    /// If none was used for so long, fixes that agree with one another for some seconds are right, whatever
+    /// the filter says.
+    double re_entry_s = 30;
     double late_s = 5;  ///< one that comes later than this is of no use
 };
 
@@ -108,6 +109,7 @@ class EarthPath {
     SigmaOfFix fix_sigma_;                  ///< of the slow error that is being followed
     ErrorProcess process_ = ErrorProcess::none;
     std::vector<Misfit> misfits_;  ///< since the last fix that was used
+    StampNs used_ns_ = 0;          ///< stamp of that
     SetAside<SmootherStep> steps_;
     std::array<std::size_t, fix_uses> count_{};
     double sum_of_squares_ = 0;

@@ -60,7 +60,8 @@ ParameterTable FusionModule::parameters() {
         .real("gate", s.gate, {0.5, 0.999999},
               "Part of good fixes that are to pass: what is farther off than they are is refused.")
         .real("re_entry_s", s.re_entry_s, {1, 3600},
-              "Fixes that were all refused for so long, and agree with one another, are right.")
+              "If no fix was used for so long, those that agree with one another for some seconds are right, "
+              "whatever the path so far says.")
         .real("late_s", s.late_s, {0, 60}, "A fix that comes later than this is of no use.");
     return table;
 }

@@ -63,7 +63,7 @@ void fields(Archive& archive, EarthPath& path) {
     archive(path.state_, path.ahead_, path.fix_sigma_, path.process_);
     archive.each(path.misfits_,
                  [](Archive& a, EarthPath::Misfit& misfit) { a(misfit.stamp_ns, misfit.off_m); });
-    archive(path.steps_);
+    archive(path.used_ns_, path.steps_);
     for (auto& count : path.count_) archive(count);
     archive(path.sum_of_squares_, path.squares_, path.re_entries_, path.heading_way_m_,
             path.heading_found_sigma_rad_);

@@ -113,6 +113,7 @@ struct Receiver {
     double jump_from_s = 1e9, jump_to_s = 1e9;
     Eigen::Vector3d jump_m = Eigen::Vector3d::Zero();
     double latency_s = 0.15;
+    double scale_in_outage = 1;  ///< of the odometry
 };
 
 constexpr double odometry_sigma_m = 0.003, odometry_sigma_rad = 0.004 * rad;
@@ -131,6 +132,9 @@ EarthPath followed(const Drive& drive, const Receiver& receiver, std::uint64_t s
         Matrix6d covariance = Matrix6d::Zero();
         if (k > 0) {
             Pose3 T = drive.T_enu_base[k - 1].inverse() * drive.T_enu_base[k];
+            const double t = seconds_between(drive.stamps_ns.front(), drive.stamps_ns[k]);
+            if (t > receiver.outage_from_s && t < receiver.outage_to_s)
+                T.translation_m *= receiver.scale_in_outage;
             if (T.translation_m.norm() > 0) {
                 T.translation_m += drawn(random, odometry_sigma_m);
                 T.rotation = inertial::exp_so3(drawn(random, odometry_sigma_rad)) * T.rotation;
@@ -266,6 +270,22 @@ TEST(EarthPath, an_outage_is_bridged_and_smoothed) {
     }
     EXPECT_LT(smoothed_worst_m, 0.7 * online_worst_m);
     EXPECT_EQ(path.re_entries(), 0U);
+}
+
+// 2 % of the way are far more than what the odometry says of itself.
+TEST(EarthPath, finds_back_within_seconds_after_an_outage_that_the_odometry_did_not_bridge) {
+    Receiver receiver;
+    receiver.outage_from_s = 20;
+    receiver.outage_to_s = 80;
+    receiver.scale_in_outage = 1.02;
+    const Drive drive(110, 1);
+    EarthPath path = followed(drive, receiver, 5);
+    EXPECT_EQ(path.re_entries(), 1U);
+    EXPECT_LE(path.count(FixUse::off_the_path), 20U);
+    EXPECT_LT((path.latest()->T_enu_base.translation_m -
+               (T_path_truth(path) * drive.T_enu_base.back()).translation_m)
+                  .norm(),
+              0.1);
 }
 
 // An odometry that jumps where it says it does not: all fixes are off from then on, and right.
