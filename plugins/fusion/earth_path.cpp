@@ -19,21 +19,46 @@ constexpr double start_way_m = 3, start_sigma_m = 0.02;
 constexpr double agreement_s = 3;
 /// What is unknown again after a re-entry.
 constexpr double re_entry_heading_rad = 0.1;
-constexpr double interpolation_sigma_m = 0.003;
-constexpr double seen_every_m = 0.3;
+/// A fix so much older than the pose that is settled still serves.
+constexpr double hardly_late_s = 0.01;
+constexpr double interpolation_sigma_m = 0.003;  // of where the vehicle was between two poses
+constexpr double seen_every_m = 0.3;             // way between fixes that the heading is sought by
 constexpr std::size_t most_seen = 80;
 constexpr double no_height_sigma_m = 1e3;
 constexpr double slow_mps = 1;  // Doppler shifts tell no heading below
 
 }  // namespace
 
+const char* name_of(FixUse use) {
+    switch (use) {
+        case FixUse::used:
+            return "used";
+        case FixUse::no_position:
+            return "no_position";
+        case FixUse::before_path:
+            return "before_path";
+        case FixUse::after_path:
+            return "after_path";
+        case FixUse::late:
+            return "late";
+        case FixUse::off_the_path:
+            return "off_the_path";
+        case FixUse::heading_never_found:
+            break;
+    }
+    return "heading_never_found";
+}
+
 void EarthPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance) {
-    const double step_m =
-        poses_.empty() ? 0 : (T_odom_base.translation_m - poses_.back().T_odom_base.translation_m).norm();
-    poses_.push_back({stamp_ns, T_odom_base, covariance, poses_.empty() ? 0 : poses_.back().way_m + step_m});
-    if (poses_.size() > 1 && committed_)
-        ahead_ =
-            predict(ahead_, motion_to(poses_.size() - 1), fix_sigma_.correlation_s, fix_sigma_.correlated_m);
+    double way_m = 0;
+    if (poses_.empty())
+        first_ns_ = stamp_ns;
+    else
+        way_m = poses_.back().way_m +
+                (T_odom_base.translation_m - poses_.back().T_odom_base.translation_m).norm();
+    poses_.push_back({stamp_ns, T_odom_base, covariance, way_m});
+    if (committed_)
+        ahead_ = predict(ahead_, motion_to(poses() - 1), fix_sigma_.correlation_s, fix_sigma_.correlated_m);
     use_waiting();
     if (committed_) settle_before(stamp_ns - std::llround(1e9 * settings_.late_s));
 }
@@ -49,9 +74,9 @@ std::optional<EarthState> EarthPath::latest() const {
     return committed_ ? std::optional(ahead_) : std::nullopt;
 }
 
-/// From the pose before a node to it, with the drift that the odometry does not tell.
-Motion EarthPath::motion_to(std::size_t node) const {
-    const PoseNode &a = poses_[node - 1], &b = poses_[node];
+/// From the pose before to this one, with the drift that the odometry does not tell.
+Motion EarthPath::motion_to(std::size_t number) const {
+    const PoseNode &a = pose(number - 1), &b = pose(number);
     Motion motion{a.stamp_ns, b.stamp_ns, a.T_odom_base.inverse() * b.T_odom_base, b.covariance};
     const double way_m = motion.T_from_to.translation_m.norm();
     if (way_m > 0 && b.way_m < start_way_m)
@@ -62,10 +87,10 @@ Motion EarthPath::motion_to(std::size_t node) const {
 }
 
 /// The last pose that is not later.
-std::size_t EarthPath::node_before(StampNs stamp_ns) const {
+std::size_t EarthPath::pose_before(StampNs stamp_ns) const {
     const auto after = std::upper_bound(poses_.begin(), poses_.end(), stamp_ns,
                                         [](StampNs t, const PoseNode& node) { return t < node.stamp_ns; });
-    return static_cast<std::size_t>(after - poses_.begin()) - 1;
+    return dropped_ + static_cast<std::size_t>(after - poses_.begin()) - 1;
 }
 
 void EarthPath::use_waiting() {
@@ -77,7 +102,7 @@ void EarthPath::use_waiting() {
 }
 
 void EarthPath::use(const gnss::GnssFix& fix) {
-    if (fix.stamp_ns < poses_.front().stamp_ns) return tally(FixUse::before_path);
+    if (fix.stamp_ns < first_ns_) return tally(FixUse::before_path);
     if (!committed_) return look_for_heading(fix);
     tally(apply(fix));
     look_ahead();
@@ -85,7 +110,7 @@ void EarthPath::use(const gnss::GnssFix& fix) {
 
 /// Poses up to there are done with, whether a fix came or not.
 void EarthPath::settle_before(StampNs stamp_ns) {
-    while (*committed_ + 1 < poses_.size() && poses_[*committed_ + 1].stamp_ns <= stamp_ns) commit_next();
+    while (*committed_ + 1 < poses() && pose(*committed_ + 1).stamp_ns <= stamp_ns) commit_next();
 }
 
 void EarthPath::commit_next() {
@@ -95,51 +120,60 @@ void EarthPath::commit_next() {
     steps_.push_back(SmootherStep(*committed_, state_, next, F));
     state_ = next;
     ++*committed_;
+    poses_.pop_front();
+    ++dropped_;
 }
 
 /// The state at the latest pose, after the one at `committed_` has changed.
 void EarthPath::look_ahead() {
     ahead_ = state_;
-    for (std::size_t node = *committed_ + 1; node < poses_.size(); ++node)
-        ahead_ = predict(ahead_, motion_to(node), fix_sigma_.correlation_s, fix_sigma_.correlated_m);
+    for (std::size_t number = *committed_ + 1; number < poses(); ++number)
+        ahead_ = predict(ahead_, motion_to(number), fix_sigma_.correlation_s, fix_sigma_.correlated_m);
 }
 
 FixUse EarthPath::apply(const gnss::GnssFix& fix) {
     settle_before(fix.stamp_ns);
-    const PoseNode& node = poses_[*committed_];
-    if (fix.stamp_ns < node.stamp_ns && seconds_between(fix.stamp_ns, node.stamp_ns) > 0.01)
-        return FixUse::late;
-
+    if (seconds_between(fix.stamp_ns, pose(*committed_).stamp_ns) > hardly_late_s) return FixUse::late;
     SigmaOfFix sigma = sigma_of(fix, settings_.noise);
     if (!fix.has_height) sigma.white_m.z() = no_height_sigma_m;
-    if (const ErrorProcess process = process_of(fix.quality); process != process_) {
-        Matrix9d F;
-        const EarthState renewed = with_new_fix_error(state_, sigma.correlated_m, &F);
-        steps_.push_back(SmootherStep(*committed_, state_, renewed, F));
-        state_ = renewed;
-        process_ = process;
-    }
-    fix_sigma_ = sigma;
+    follow_fix_error(fix.quality, sigma);
     for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, interpolation_sigma_m);
 
-    Pose3 T_base_then;
-    Eigen::Vector3d v_base_mps = Eigen::Vector3d::Zero();
-    if (*committed_ + 1 < poses_.size()) {
-        const Motion motion = motion_to(*committed_ + 1);
-        T_base_then = motion.T_from_at(fix.stamp_ns);
-        const Twist3 twist = log_se3(motion.T_from_to) * (1 / motion.duration_s());
-        v_base_mps = twist.shift_m + twist.turn_rad.cross(fix.p_base_antenna_m);
-    }
+    const Moment then = moment(fix.stamp_ns);
+    if (!update_place(fix, then.T_base_then, sigma.white_m)) return FixUse::off_the_path;
+    update_velocity(fix, then);
+    return FixUse::used;
+}
+
+/// From now on that of this kind of fix.
+void EarthPath::follow_fix_error(gnss::FixQuality quality, const SigmaOfFix& sigma) {
+    fix_sigma_ = sigma;
+    if (process_of(quality) == process_) return;
+    process_ = process_of(quality);
+    Matrix9d F;
+    const EarthState renewed = with_new_fix_error(state_, sigma.correlated_m, &F);
+    steps_.push_back(SmootherStep(*committed_, state_, renewed, F));
+    state_ = renewed;
+}
+
+EarthPath::Moment EarthPath::moment(StampNs stamp_ns) const {
+    if (*committed_ + 1 >= poses()) return {};
+    const Motion motion = motion_to(*committed_ + 1);
+    return {motion.T_from_at(stamp_ns), log_se3(motion.T_from_to) * (1 / motion.duration_s())};
+}
+
+/// False if the fix can't be.
+bool EarthPath::update_place(const gnss::GnssFix& fix, const Pose3& T_base_then,
+                             const Eigen::Vector3d& white_m) {
     const Eigen::Vector3d p_enu_m = earth_->p_enu_m(fix.antenna);
-    Innovation<3> place =
-        innovation_of_place(state_, T_base_then, fix.p_base_antenna_m, p_enu_m, sigma.white_m);
-    const double gate = least_squares::chi_square_quantile(3, settings_.gate);
-    if (place.square() > gate) {
-        if (!is_re_entry(fix.stamp_ns, place.off)) return FixUse::off_the_path;
-        state_.covariance.topLeftCorner<3, 3>() +=
-            place.off * place.off.transpose() + place.off.squaredNorm() / 9 * Eigen::Matrix3d::Identity();
-        state_.covariance(5, 5) += re_entry_heading_rad * re_entry_heading_rad;
-        place = innovation_of_place(state_, T_base_then, fix.p_base_antenna_m, p_enu_m, sigma.white_m);
+    const auto innovation = [&] {
+        return innovation_of_place(state_, T_base_then, fix.p_base_antenna_m, p_enu_m, white_m);
+    };
+    Innovation<3> place = innovation();
+    if (place.square() > least_squares::chi_square_quantile(3, settings_.gate)) {
+        if (!is_re_entry(fix.stamp_ns, place.off)) return false;
+        doubt_the_path(place.off);
+        place = innovation();
         ++re_entries_;
     }
     misfits_.clear();
@@ -147,19 +181,32 @@ FixUse EarthPath::apply(const gnss::GnssFix& fix) {
     sum_of_squares_ += place.square() / 3;
     ++squares_;
     state_ = updated(state_, place);
-    if (fix.speed_mps && fix.course_rad && *fix.speed_mps > slow_mps && v_base_mps.norm() > slow_mps) {
-        const Eigen::Vector2d v_enu_mps =
-            *fix.speed_mps * Eigen::Vector2d(std::cos(*fix.course_rad), std::sin(*fix.course_rad));
-        const Innovation<2> velocity = innovation_of_velocity(state_, T_base_then, v_base_mps, v_enu_mps,
-                                                              settings_.noise.sigma_velocity_mps);
-        if (velocity.square() < least_squares::chi_square_quantile(2, settings_.gate))
-            state_ = updated(state_, velocity);
-    }
-    return FixUse::used;
+    return true;
 }
 
-/// Fixes that were all refused for long, and by a way that is steady or grows steadily: then it is the
-/// estimate that is wrong.
+/// What the fixes are off by becomes uncertainty, and a heading that has led there is in doubt.
+void EarthPath::doubt_the_path(const Eigen::Vector3d& off_m) {
+    state_.covariance.topLeftCorner<3, 3>() +=
+        off_m * off_m.transpose() + off_m.squaredNorm() / 9 * Eigen::Matrix3d::Identity();
+    state_.covariance(5, 5) += re_entry_heading_rad * re_entry_heading_rad;
+}
+
+/// By Doppler shifts, where the vehicle moves.
+void EarthPath::update_velocity(const gnss::GnssFix& fix, const Moment& then) {
+    if (!fix.speed_mps || !fix.course_rad || *fix.speed_mps < slow_mps) return;
+    const Eigen::Vector3d v_base_mps =
+        then.velocity.shift_m + then.velocity.turn_rad.cross(fix.p_base_antenna_m);
+    if (v_base_mps.norm() < slow_mps) return;
+    const Eigen::Vector2d v_enu_mps =
+        *fix.speed_mps * Eigen::Vector2d(std::cos(*fix.course_rad), std::sin(*fix.course_rad));
+    const Innovation<2> velocity = innovation_of_velocity(state_, then.T_base_then, v_base_mps, v_enu_mps,
+                                                          settings_.noise.sigma_velocity_mps);
+    if (velocity.square() < least_squares::chi_square_quantile(2, settings_.gate))
+        state_ = updated(state_, velocity);
+}
+
+/// No fix was used for long, and those refused since the last one are off by a way that is steady or grows
+/// steadily: then it is the estimate that is wrong.
 bool EarthPath::is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m) {
     misfits_.push_back({stamp_ns, off_m});
     const auto n = static_cast<Eigen::Index>(misfits_.size());
@@ -181,9 +228,9 @@ bool EarthPath::is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m) {
 
 void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
     early_.push_back(fix);
-    const std::size_t node = node_before(fix.stamp_ns);
-    Pose3 T_odom_then = poses_[node].T_odom_base;
-    if (node + 1 < poses_.size()) T_odom_then = T_odom_then * motion_to(node + 1).T_from_at(fix.stamp_ns);
+    const std::size_t before = pose_before(fix.stamp_ns);
+    Pose3 T_odom_then = pose(before).T_odom_base;
+    if (before + 1 < poses()) T_odom_then = T_odom_then * motion_to(before + 1).T_from_at(fix.stamp_ns);
     const Eigen::Vector3d p_local_m = T_odom_then * fix.p_base_antenna_m;
     if (!seen_.empty() && (p_local_m - seen_.back().p_local_m).norm() < seen_every_m) return;
     if (seen_.size() >= most_seen) {  // every second one
@@ -193,16 +240,17 @@ void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
     }
     SigmaOfFix sigma = sigma_of(fix, settings_.noise);
     for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, start_sigma_m);
-    seen_.push_back({seconds_between(poses_.front().stamp_ns, fix.stamp_ns), p_local_m,
-                     earth_->p_enu_m(fix.antenna), sigma});
+    seen_.push_back(
+        {seconds_between(first_ns_, fix.stamp_ns), p_local_m, earth_->p_enu_m(fix.antenna), sigma});
     const auto found = find_heading(seen_);
     if (!found || found->sigma_rad > settings_.heading_sigma_rad || found->misfit > 4) return;
     heading_found_sigma_rad_ = found->sigma_rad;
-    heading_way_m_ = poses_[node].way_m;
+    heading_way_m_ = pose(before).way_m;
     begin(found->T_enu_local);
 }
 
-/// The search gave the place to linearise at; what is known begins with nothing, and all fixes are used once.
+/// The search gave the place to linearise at. All fixes since the first pose are used again, so the heading
+/// begins less certain than the search has it, and the place with nothing.
 void EarthPath::begin(const Pose3& T_enu_odom) {
     state_.T_enu_base = T_enu_odom * poses_.front().T_odom_base;
     Vector9d sigma;  // along the vehicle's axes
@@ -219,29 +267,36 @@ void EarthPath::begin(const Pose3& T_enu_odom) {
 }
 
 std::vector<SmoothedPose> EarthPath::smoothed() {
-    std::vector<SmoothedPose> path(poses_.size());
+    count_[static_cast<std::size_t>(FixUse::after_path)] += waiting_.size();
+    waiting_ = {};
     if (!committed_) {
         count_[static_cast<std::size_t>(FixUse::heading_never_found)] = early_.size();
-        Matrix6d covariance = Matrix6d::Zero();
-        for (std::size_t i = 0; i < poses_.size(); ++i) {
-            if (i > 0) {
-                const Motion motion = motion_to(i);
-                const Matrix6d F = carried_along(poses_[i].T_odom_base.translation_m -
-                                                 poses_[i - 1].T_odom_base.translation_m),
-                               R = turned_both(poses_[i - 1].T_odom_base.rotation);
-                covariance = F * covariance * F.transpose() + R * motion.covariance * R.transpose();
-            }
-            path[i] = {poses_[i].T_odom_base, covariance};
-        }
-        return path;
+        return path_of_odometry();
     }
     settle_before(poses_.back().stamp_ns);
+    std::vector<SmoothedPose> path(poses());
     EarthState smoothed = state_;
     path[*committed_] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};
     for (std::size_t i = steps_.size(); i-- > 0;) {
         const SmootherStep step = steps_[i];
         smoothed = smoothed_before(step, smoothed);
         path[step.pose] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};
+    }
+    return path;
+}
+
+std::vector<SmoothedPose> EarthPath::path_of_odometry() const {
+    std::vector<SmoothedPose> path;
+    Matrix6d covariance = Matrix6d::Zero();
+    for (std::size_t number = 0; number < poses(); ++number) {
+        const Pose3& T_odom_base = pose(number).T_odom_base;
+        if (number > 0) {
+            const Pose3& T_odom_before = pose(number - 1).T_odom_base;
+            const Matrix6d F = carried_along(T_odom_base.translation_m - T_odom_before.translation_m),
+                           R = turned_both(T_odom_before.rotation);
+            covariance = F * covariance * F.transpose() + R * motion_to(number).covariance * R.transpose();
+        }
+        path.push_back({T_odom_base, covariance});
     }
     return path;
 }

@@ -35,10 +35,13 @@ enum class FixUse {
     used,
     no_position,   ///< the receiver had none, or it is dead reckoning
     before_path,   ///< from before the odometry's first pose
+    after_path,    ///< from after its last one
     late,          ///< what came after it is settled
     off_the_path,  ///< farther off than all uncertainty explains
     heading_never_found
 };
+/// As part of a key: "off_the_path".
+const char* name_of(FixUse use);
 constexpr std::size_t fix_uses = static_cast<std::size_t>(FixUse::heading_never_found) + 1;
 
 class EarthPath {
@@ -52,7 +55,7 @@ class EarthPath {
     void take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance);
     void take_fix(const gnss::GnssFix& fix);
 
-    std::size_t poses() const { return poses_.size(); }
+    std::size_t poses() const { return dropped_ + poses_.size(); }
     /// At the latest pose; none before the heading is known.
     std::optional<EarthState> latest() const;
     bool heading_known() const { return committed_.has_value(); }
@@ -84,14 +87,26 @@ class EarthPath {
         StampNs stamp_ns = 0;
         Eigen::Vector3d off_m;
     };
+    /// The vehicle at a moment between the pose at `committed_` and the next one.
+    struct Moment {
+        Pose3 T_base_then;  ///< seen from that pose
+        Twist3 velocity;    ///< a second, along the vehicle's axes
+    };
 
-    Motion motion_to(std::size_t node) const;
-    std::size_t node_before(StampNs stamp_ns) const;
+    const PoseNode& pose(std::size_t number) const { return poses_[number - dropped_]; }
+    Motion motion_to(std::size_t number) const;
+    std::size_t pose_before(StampNs stamp_ns) const;
     void use_waiting();
     void settle_before(StampNs stamp_ns);
     void commit_next();
     void use(const gnss::GnssFix& fix);
     FixUse apply(const gnss::GnssFix& fix);
+    void follow_fix_error(gnss::FixQuality quality, const SigmaOfFix& sigma);
+    Moment moment(StampNs stamp_ns) const;
+    bool update_place(const gnss::GnssFix& fix, const Pose3& T_base_then, const Eigen::Vector3d& white_m);
+    void doubt_the_path(const Eigen::Vector3d& off_m);
+    void update_velocity(const gnss::GnssFix& fix, const Moment& then);
+    std::vector<SmoothedPose> path_of_odometry() const;
     void look_for_heading(const gnss::GnssFix& fix);
     void begin(const Pose3& T_enu_odom);
     bool is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m);
@@ -100,7 +115,9 @@ class EarthPath {
 
     EarthPathSettings settings_;
     std::optional<gnss::LocalFrame> earth_;
-    std::vector<PoseNode> poses_;
+    std::deque<PoseNode> poses_;            ///< from the one at `committed_` on
+    std::size_t dropped_ = 0;               ///< before them
+    StampNs first_ns_ = 0;                  ///< stamp of the very first
     std::deque<gnss::GnssFix> waiting_;     ///< for a pose that is not earlier
     std::vector<gnss::GnssFix> early_;      ///< from before the heading was known
     std::vector<SeenFix> seen_;             ///< of them, those that the heading is sought by

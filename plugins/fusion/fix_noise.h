@@ -24,7 +24,7 @@ struct FixNoiseSettings {
 
 /// Standard deviations along east, north, up.
 struct SigmaOfFix {
-    Eigen::Vector3d white_m, correlated_m;
+    Eigen::Vector3d white_m = Eigen::Vector3d::Zero(), correlated_m = Eigen::Vector3d::Zero();
     double correlation_s = 1;
 };
 

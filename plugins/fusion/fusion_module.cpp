@@ -75,7 +75,7 @@ void FusionModule::start(const RunContext& context) {
 void FusionModule::process(const StreamItem& item, Publisher& publisher) {
     if (const auto* gps = as<mrpt::obs::CObservationGPS>(item.observation.get())) {
         if (!receiver_label_.empty() && gps->sensorLabel != receiver_label_) return;
-        if (const auto fix = gnss::fix_from_mrpt(*gps, item.stamp_ns)) path_->take_fix(*fix);
+        path_->take_fix(gnss::fix_from_mrpt(*gps, item.stamp_ns).value_or(gnss::GnssFix{}));
         return;
     }
     const auto* pose = as<mrpt::obs::CObservationRobotPose>(item.observation.get());
@@ -105,11 +105,13 @@ void FusionModule::take_pose(const StreamItem& item, const PoseWithCovariance& p
 }
 
 void FusionModule::finish(Results& results) {
-    if (online_.empty())
+    if (online_.empty()) {
         results.refused =
             "no pose with the label " + motion_label_ +
             " came, which module fusion is for; put the module that publishes it before fusion in [run] "
             "modules, or name another in [fusion] motion";
+        return;
+    }
     const std::vector<SmoothedPose> smoothed = path_->smoothed();
     std::size_t known_from = online_.size();
     for (std::size_t i = 0; i < smoothed.size(); ++i) {
@@ -129,20 +131,18 @@ void FusionModule::report(Results& results) const {
     auto& metrics = results.metrics;
     const auto count = [&](FixUse use) { return static_cast<std::int64_t>(path_->count(use)); };
     std::int64_t refused = 0;
-    for (std::size_t use = 1; use < fix_uses; ++use) refused += count(static_cast<FixUse>(use));
+    for (std::size_t i = 1; i < fix_uses; ++i) {
+        const auto use = static_cast<FixUse>(i);
+        refused += count(use);
+        if (count(use) > 0) metrics[std::string("gnss_refused_") + name_of(use)] = count(use);
+    }
+    if (backwards_ > 0) metrics["poses_backward"] = backwards_;
     metrics["gnss_used"] = count(FixUse::used);
     metrics["gnss_refused"] = refused;
-    for (const auto& [use, name] : {std::pair{FixUse::no_position, "no_position"},
-                                    {FixUse::before_path, "before_path"},
-                                    {FixUse::late, "late"},
-                                    {FixUse::off_the_path, "off_the_path"},
-                                    {FixUse::heading_never_found, "heading_never_found"}})
-        if (count(use) > 0) metrics[std::string("gnss_refused_") + name] = count(use);
     if (!path_->heading_known()) {
         results.warnings.push_back(
             "the fixes of the receiver never told the heading of the path, so it is not placed on the Earth; "
-            "its "
-            "frame is that of " +
+            "its frame is that of " +
             motion_label_);
         return;
     }

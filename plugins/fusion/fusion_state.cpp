@@ -5,11 +5,6 @@
 namespace loopline {
 
 template <class Archive>
-void fields(Archive& archive, Pose3& pose) {
-    archive(pose.translation_m, pose.rotation.coeffs());
-}
-
-template <class Archive>
 void fields(Archive& archive, PoseWithCovariance& pose) {
     archive(pose.T_map_base, pose.covariance);
 }
@@ -53,6 +48,7 @@ void fields(Archive& archive, EarthPath& path) {
     if (path.earth_) origin = path.earth_->origin();
     archive(origin);
     if (Archive::reading && origin) path.earth_.emplace(*origin);
+    archive(path.dropped_, path.first_ns_);
     archive.each(path.poses_, [](Archive& a, EarthPath::PoseNode& node) {
         a(node.stamp_ns, node.T_odom_base, node.covariance, node.way_m);
     });

@@ -303,6 +303,58 @@ TEST(EarthPath, finds_back_when_it_is_the_estimate_that_is_wrong) {
     EXPECT_LT((end_m - receiver.jump_m).norm(), 0.2);
 }
 
+TEST(EarthPath, every_fix_is_counted_once_with_what_became_of_it) {
+    Receiver receiver;
+    receiver.outage_from_s = 3;
+    receiver.outage_to_s = 9;
+    receiver.jump_from_s = 20;
+    receiver.jump_to_s = 22;
+    receiver.jump_m = {9, -11, 4};
+    for (const double seconds : {1.0, 30.0}) {  // of which the first tell no heading
+        const Drive drive(seconds, 1);
+        EarthPath path = followed(drive, receiver, 1);
+        std::size_t given = 0;
+        for (StampNs fix_ns = second / 17 + second * 15 / 100; fix_ns <= std::llround(1e9 * seconds);
+             fix_ns += second / 5)
+            ++given;
+        gnss::GnssFix odd;
+        odd.quality = gnss::FixQuality::single;
+        odd.has_position = true;
+        odd.antenna = origin;
+        for (const StampNs stamp_ns : {drive.stamps_ns.front() - second, drive.stamps_ns.back() + second}) {
+            odd.stamp_ns = stamp_ns;
+            path.take_fix(odd);
+        }
+        path.take_fix({});
+        const auto smoothed = path.smoothed();
+        EXPECT_EQ(smoothed.size(), drive.stamps_ns.size());
+        EXPECT_EQ(path.poses(), drive.stamps_ns.size());
+        std::size_t counted = 0;
+        for (std::size_t use = 0; use < fix_uses; ++use) counted += path.count(static_cast<FixUse>(use));
+        EXPECT_EQ(counted, given + 3);
+        EXPECT_EQ(path.count(FixUse::before_path), 1U);
+        EXPECT_EQ(path.count(FixUse::after_path), 1U);
+        EXPECT_EQ(path.heading_known(), seconds > 10);
+    }
+}
+
+// What is known before the first fix is that the receiver has said nothing: no number may come from anywhere
+// else.
+TEST(EarthPath, a_receiver_that_starts_late_places_the_way_before_too) {
+    Receiver receiver;
+    receiver.outage_from_s = 0;
+    receiver.outage_to_s = 15;
+    const Drive drive(40, 2);
+    EarthPath path = followed(drive, receiver, 4);
+    const Pose3 T = T_path_truth(path);
+    const auto smoothed = path.smoothed();
+    for (std::size_t i = 0; i < smoothed.size(); ++i) {
+        ASSERT_TRUE(smoothed[i].covariance.allFinite());
+        EXPECT_LT((smoothed[i].T_enu_base.translation_m - (T * drive.T_enu_base[i]).translation_m).norm(),
+                  0.5);
+    }
+}
+
 TEST(EarthPath, slow_errors_of_single_fixes_are_not_averaged_away) {
     Receiver receiver;
     receiver.quality = gnss::FixQuality::single;
