@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "api/earth_frame.h"
 #include "api/line_map.h"
 #include "api/pose2.h"
 #include "api/stamp.h"
@@ -99,12 +100,6 @@ class FramePoints {
  private:
     std::size_t frames_ = 0;
     std::function<Points(std::size_t)> points_of_;
-};
-
-/// Where a trajectory's frame lies on the Earth (WGS84): z up, x turned from east.
-struct EarthFrame {
-    double latitude_deg = 0, longitude_deg = 0, height_m = 0;  ///< of its origin; height above the ellipsoid
-    double heading_deg = 0;                                    ///< of its x axis, counter-clockwise from east
 };
 
 struct Results {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "api/pose2.h"
+#include "api/pose3_motion.h"
 
 namespace loopline {
 
@@ -135,6 +136,8 @@ class StateArchive {
         if (reading) items = std::map<Key, T>(list.begin(), list.end());
     }
     void value(Pose2& T) { (*this)(T.x_m, T.y_m, T.phi_rad); }
+    void value(Pose3& T) { (*this)(T.translation_m, T.rotation.coeffs()); }
+    void value(Twist3& twist) { (*this)(twist.shift_m, twist.turn_rad); }
 
     mrpt::serialization::CArchive& archive_;
 };

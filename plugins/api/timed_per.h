@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "api/sweep_classes.h"
+
 namespace loopline {
 
 class TimedPer {
@@ -17,9 +19,7 @@ class TimedPer {
 /// One that follows a spinning lidar: its time is told per sweep, whatever drives it.
 class TimedPerSweep : public TimedPer {
  public:
-    std::vector<std::string> timed_per() const override {
-        return {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"};
-    }
+    std::vector<std::string> timed_per() const override { return sweep_classes(); }
 };
 
 }  // namespace loopline

@@ -4,6 +4,7 @@
 
 #include "api/mrpt_pose.h"
 #include "api/observation_class.h"
+#include "api/sweep_classes.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(CloudMapModule, Module, loopline)
@@ -20,7 +21,7 @@ ModuleInfo CloudMapModule::info() const {
             "its own "
             "time, without what moved; nothing of it is computed with [outputs] maps = false.",
             {"CObservationRobotPose"},
-            {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"},
+            sweep_classes(),
             {}};
 }
 

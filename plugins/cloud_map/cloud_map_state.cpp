@@ -21,7 +21,7 @@ void plain(Archive& archive, std::vector<T>& elements) {
 
 template <class Archive>
 void fields(Archive& archive, StampedPose3& pose) {
-    archive(pose.stamp_ns, pose.T_map_base.translation_m, pose.T_map_base.rotation.coeffs());
+    archive(pose.stamp_ns, pose.T_map_base);
 }
 
 template <class Archive>
@@ -94,8 +94,7 @@ void fields(Archive& archive, CloudMapModule& m) {
     archive(m.path_);
     archive.each(m.waiting_, [](auto& a, auto& sweep) {
         lidar::SpinningScan& scan = sweep.scan;
-        a(scan.label, scan.stamp_ns, scan.T_base_lidar.translation_m, scan.T_base_lidar.rotation.coeffs(),
-          scan.begin_s, scan.end_s);
+        a(scan.label, scan.stamp_ns, scan.T_base_lidar, scan.begin_s, scan.end_s);
         cloud_map::plain(a, scan.points);
         cloud_map::plain(a, scan.ring_begin);
         cloud_map::plain(a, sweep.intensity);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "api/sweep_classes.h"
+
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(FinalCloudMapBuilder, MapBuilder, loopline)
 
@@ -12,7 +14,7 @@ ModuleInfo FinalCloudMapBuilder::info() const {
             "The same cloud as module cloud_map's, in a second pass over the log, by the final poses: for "
             "trajectories that are revised after their time.",
             {},
-            {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"},
+            sweep_classes(),
             {}};
 }
 

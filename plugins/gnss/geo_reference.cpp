@@ -37,6 +37,15 @@ GeoReference::GeoReference(const Geodetic& origin, double heading_deg)
       heading_deg_(heading_deg),
       R_enu_map_(Eigen::AngleAxisd(heading_deg * rad_per_deg, Eigen::Vector3d::UnitZ()).toRotationMatrix()) {}
 
+Pose3 T_between(const GeoReference& to, const GeoReference& from) {
+    const auto R_ecef_map = [](const GeoReference& reference) {
+        const Geodetic& origin = reference.origin();
+        return Eigen::Matrix3d(R_ecef_enu(origin.latitude_deg, origin.longitude_deg) * reference.R_enu_map());
+    };
+    const Eigen::Matrix3d R_to_from = R_ecef_map(to).transpose() * R_ecef_map(from);
+    return {to.p_map_m(from.origin()), Eigen::Quaterniond(R_to_from).normalized()};
+}
+
 std::string georeference_text(const GeoReference& reference) {
     const Geodetic& origin = reference.origin();
     std::string text =

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <string>
 
+#include "api/earth_frame.h"
+#include "api/pose3.h"
 #include "gnss/local_frame.h"
 
 namespace loopline::gnss {
@@ -15,6 +17,9 @@ class GeoReference {
     GeoReference() : GeoReference(Geodetic{}, 0) {}
     /// `heading_deg`: of the map's x axis, counter-clockwise from east.
     GeoReference(const Geodetic& origin, double heading_deg);
+    explicit GeoReference(const EarthFrame& frame)
+        : GeoReference(Geodetic{frame.latitude_deg, frame.longitude_deg, frame.height_m}, frame.heading_deg) {
+    }
 
     const Geodetic& origin() const { return frame_.origin(); }
     double heading_deg() const { return heading_deg_; }
@@ -31,6 +36,9 @@ class GeoReference {
     double heading_deg_;
     Eigen::Matrix3d R_enu_map_;
 };
+
+/// From the coordinates of one such frame to those of another: both are straight, so it is a rigid motion.
+Pose3 T_between(const GeoReference& to, const GeoReference& from);
 
 /// The text of a file beside a map: `key = value` lines that read back to the same bits, and, as comments,
 /// the origin on the UTM grid.

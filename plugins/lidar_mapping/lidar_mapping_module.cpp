@@ -7,6 +7,7 @@
 
 #include "api/observation_class.h"
 #include "api/pose_observation.h"
+#include "api/sweep_classes.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(LidarMappingModule, Module, loopline)
@@ -28,7 +29,7 @@ ModuleInfo LidarMappingModule::info() const {
         "Odometry and local map of a spinning lidar: each sweep is matched with the planes and edges "
         "of those before.",
         {},
-        {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"},
+        sweep_classes(),
         {"CObservationRobotPose"}};
     if (!odometry_settings_.label.empty())
         for (const char* pose : {"CObservationRobotPose", "CObservationOdometry"})

@@ -12,8 +12,7 @@ void fields(Archive& archive, SweepPoint& point) {
 
 template <class Archive>
 void fields(Archive& archive, MotionState& state) {
-    archive(state.T_map_base.translation_m, state.T_map_base.rotation.coeffs(), state.velocity.shift_m,
-            state.velocity.turn_rad, state.covariance);
+    archive(state.T_map_base, state.velocity, state.covariance);
 }
 
 template <class Archive>
@@ -54,16 +53,14 @@ void fields(Archive& archive, Standstill& standstill) {
 template <class Archive>
 void fields(Archive& archive, SweepMapping& mapping) {
     archive(mapping.map_, mapping.first_, mapping.first_middle_s_, mapping.last_.state, mapping.covariance_,
-            mapping.sweeps_, mapping.last_ns_, mapping.forgot_at_m_, mapping.added_at_.translation_m,
-            mapping.added_at_.rotation.coeffs(), mapping.standstill_, mapping.stands_,
-            mapping.usual_agreement_);
+            mapping.sweeps_, mapping.last_ns_, mapping.forgot_at_m_, mapping.added_at_, mapping.standstill_,
+            mapping.stands_, mapping.usual_agreement_);
 }
 
 template <class Archive>
 void fields(Archive& archive, PublishedOdometry& odometry) {
-    archive.each(odometry.poses_, [](auto& a, auto& pose) {
-        a(pose.stamp_ns, pose.T_odom_base.translation_m, pose.T_odom_base.rotation.coeffs(), pose.covariance);
-    });
+    archive.each(odometry.poses_,
+                 [](auto& a, auto& pose) { a(pose.stamp_ns, pose.known.T_map_base, pose.known.covariance); });
     archive(odometry.planar_, odometry.taken_);
 }
 
@@ -73,8 +70,7 @@ namespace lidar {
 
 template <class Archive>
 void fields(Archive& archive, SpinningScan& scan) {
-    archive(scan.label, scan.stamp_ns, scan.T_base_lidar.translation_m, scan.T_base_lidar.rotation.coeffs(),
-            scan.begin_s, scan.end_s, scan.ring_begin);
+    archive(scan.label, scan.stamp_ns, scan.T_base_lidar, scan.begin_s, scan.end_s, scan.ring_begin);
     archive.each(scan.points, [](auto& a, auto& p) { a(p.x_m, p.y_m, p.z_m, p.time_s); });
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "api/pose_observation.h"
 #include "api/stamp.h"
 #include "lidar_mapping/given_motion.h"
 
@@ -43,14 +44,11 @@ class PublishedOdometry {
     friend void fields(Archive&, PublishedOdometry&);
     struct Sample {
         StampNs stamp_ns = 0;
-        Pose3 T_odom_base;
-        Matrix6d covariance =
-            Matrix6d::Zero();  ///< of (shift, turn) along the axes of odom, about the vehicle
+        PoseWithCovariance known;  ///< its map being the odometry's own
     };
     /// The first of the two poses that the motion at a time is told by.
     std::size_t before(StampNs stamp_ns) const;
     ScrewSegment segment(std::size_t first) const;
-    Matrix6d growth(const Sample& from, const Sample& to) const;
 
     PublishedOdometrySettings settings_;
     std::deque<Sample> poses_;

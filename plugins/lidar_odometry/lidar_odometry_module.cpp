@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "api/pose_observation.h"
+#include "api/sweep_classes.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(LidarOdometryModule, Module, loopline)
@@ -26,7 +27,7 @@ ModuleInfo LidarOdometryModule::info() const {
             "Odometry of a spinning lidar from each sweep to the next, by edge points and planar points "
             "(LOAM).",
             {},
-            {"CObservationRotatingScan", "CObservationVelodyneScan", "CObservationPointCloud"},
+            sweep_classes(),
             {"CObservationRobotPose"}};
 }
 

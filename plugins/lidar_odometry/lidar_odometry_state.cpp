@@ -4,16 +4,6 @@
 
 namespace loopline {
 
-template <class Archive>
-void fields(Archive& archive, Pose3& pose) {
-    archive(pose.translation_m, pose.rotation.coeffs());
-}
-
-template <class Archive>
-void fields(Archive& archive, Twist3& twist) {
-    archive(twist.shift_m, twist.turn_rad);
-}
-
 namespace lidar_odometry {
 
 template <class Archive>

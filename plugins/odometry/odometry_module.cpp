@@ -8,18 +8,17 @@
 #include <string_view>
 
 #include "api/observation_class.h"
+#include "api/sweep_classes.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(Odometry, Module, loopline)
 
 namespace {
 
-/// By name, since two of the classes lie in a library that is not needed here else.
 bool is_sweep(const mrpt::obs::CObservation& observation) {
     const std::string_view name = observation.GetRuntimeClass()->className;
-    const std::string_view last = name.substr(name.rfind(':') + 1);
-    return last == "CObservationRotatingScan" || last == "CObservationVelodyneScan" ||
-           last == "CObservationPointCloud";
+    const auto& classes = sweep_classes();
+    return std::find(classes.begin(), classes.end(), name.substr(name.rfind(':') + 1)) != classes.end();
 }
 
 bool is_finite(const mrpt::poses::CPose2D& pose) {
@@ -35,8 +34,8 @@ ModuleInfo Odometry::info() const {
                     {},
                     {"CObservationOdometry"}};
     if (sweeps_) {
-        info.uses = {"CObservation2DRangeScan", "CObservationRotatingScan", "CObservationVelodyneScan",
-                     "CObservationPointCloud"};
+        info.uses = sweep_classes();
+        info.uses.insert(info.uses.begin(), "CObservation2DRangeScan");
         info.needs.pop_back();
     }
     return info;

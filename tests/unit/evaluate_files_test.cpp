@@ -159,6 +159,43 @@ TEST_F(EvaluateFiles, a_run_gets_its_metrics) {
     EXPECT_EQ(std::get<std::int64_t>(evaluation.metrics.at("relations_used")), 1);
 }
 
+TEST_F(EvaluateFiles, a_run_that_is_placed_on_the_earth_is_compared_there_without_alignment) {
+    // The truth's x axis points north, that of the run east; the run is 0.3 m too far east and 0.4 m too
+    // high.
+    std::string truth;
+    Trajectory trajectory;
+    for (int i = 0; i < 20; ++i) {
+        truth += std::to_string(100 + i) + " " + std::to_string(i) + " 0 0 0 0 0 1\n";
+        Matrix6d covariance = Matrix6d::Zero();
+        covariance.diagonal() << 0.09, 0.09, 0.09, 1e-4, 1e-4, 1e-4;
+        trajectory.append(static_cast<std::uint64_t>(i), (100 + i) * StampNs{1'000'000'000},
+                          Pose3(Eigen::Vector3d(0.3, i, 0.4),
+                                Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()))),
+                          covariance);
+    }
+    EvaluationSettings settings;
+    settings.truth = file("truth.txt", truth);
+    settings.surveyed = file("truth.csv", "georeference,0,49,8.4,100,90\n");
+    const auto reference = load_evaluation_reference(settings);
+    const EarthFrame earth{49, 8.4, 100, 0};
+    const auto metrics = evaluate_run(trajectory, reference, {}, earth).metrics;
+    const auto value = [&](const char* key) { return std::get<double>(metrics.at(key)); };
+    EXPECT_NEAR(value("earth_rmse_m"), 0.5, 1e-6);
+    EXPECT_NEAR(value("earth_max_m"), 0.5, 1e-6);
+    EXPECT_NEAR(value("earth_horizontal_rmse_m"), 0.3, 1e-6);
+    EXPECT_NEAR(value("earth_vertical_rmse_m"), 0.4, 1e-6);
+    EXPECT_NEAR(value("end_error_m"), 0.5, 1e-6);
+    EXPECT_NEAR(value("nees_mean"), 1, 1e-6);
+    EXPECT_NEAR(value("ate_rmse_m"), 0, 1e-6);
+    EXPECT_EQ(evaluate_run(trajectory, reference).metrics.count("earth_rmse_m"), 0U)
+        << "nobody placed the run";
+    EXPECT_NE(error_of([&] {
+                  settings.surveyed = file("truth.csv", "georeference,0,49,8.4\n");
+                  load_evaluation_reference(settings);
+              }).find("a georeference needs"),
+              std::string::npos);
+}
+
 /// Along x and back, 1 m beside; the way back is put 2 m too far by one loop, where another had it right.
 TEST_F(EvaluateFiles, a_loop_that_joins_the_wrong_places_is_counted_as_wrong) {
     std::string truth;

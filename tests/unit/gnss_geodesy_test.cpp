@@ -198,6 +198,13 @@ TEST(LocalFrame, axes_point_east_north_and_up) {
     EXPECT_NEAR(far.height_m - 50, 0.0784, 0.001);
 }
 
+TEST(GeoReference, leads_from_one_frame_to_another_as_the_earth_does) {
+    const GeoReference a({49.01, 8.41, 160}, 35), b({49.02, 8.43, 210}, -120);
+    const Pose3 T_a_b = T_between(a, b);
+    for (const Eigen::Vector3d& p_b_m : {Eigen::Vector3d(0, 0, 0), {500, -300, 20}, {-1e4, 2e4, 100}})
+        EXPECT_LT((T_a_b * p_b_m - a.p_map_m(b.geodetic(p_b_m))).norm(), 1e-6);
+}
+
 TEST(GeoReference, a_map_is_turned_against_east) {
     const GeoReference reference({48.2, 16.37, 200}, 90);
     EXPECT_NEAR((reference.p_map_m(reference.geodetic({3, 4, 5})) - Eigen::Vector3d(3, 4, 5)).norm(), 0,

@@ -35,22 +35,6 @@ void pair_with_truth(const Trajectory& trajectory, const EvaluationReference& re
     }
 }
 
-gnss::GeoReference geo_reference(const EarthFrame& frame) {
-    return {{frame.latitude_deg, frame.longitude_deg, frame.height_m}, frame.heading_deg};
-}
-
-/// Two local frames on the Earth.
-Pose3 T_between(const EarthFrame& to, const EarthFrame& from) {
-    const gnss::GeoReference a = geo_reference(to), b = geo_reference(from);
-    const auto R_ecef_map = [](const gnss::GeoReference& reference) {
-        const gnss::Geodetic& origin = reference.origin();
-        return Eigen::Matrix3d(gnss::R_ecef_enu(origin.latitude_deg, origin.longitude_deg) *
-                               reference.R_enu_map());
-    };
-    return {a.p_map_m(b.origin()),
-            Eigen::Quaterniond(Eigen::Matrix3d(R_ecef_map(a).transpose() * R_ecef_map(b))).normalized()};
-}
-
 /// Distances without any alignment.
 void compare_on_earth(const PosePairs& pairs, const Pose3& T_map_ref,
                       std::map<std::string, MetricValue>& metrics) {
@@ -94,8 +78,9 @@ void compare_with_truth(const Trajectory& trajectory, const EvaluationReference&
     // A run's map frame is its first pose: the truth is brought there by that pose alone.
     const PosePair first = pairs[0];
     const bool on_earth = earth && reference.surveyed.earth;
-    const Pose3 T_map_ref = on_earth ? T_between(*earth, *reference.surveyed.earth)
-                                     : first.T_map_base_estimate * first.T_ref_base_reference.inverse();
+    const Pose3 T_map_ref =
+        on_earth ? gnss::T_between(gnss::GeoReference(*earth), gnss::GeoReference(*reference.surveyed.earth))
+                 : first.T_map_base_estimate * first.T_ref_base_reference.inverse();
     if (on_earth) compare_on_earth(pairs, T_map_ref, metrics);
     const PosePair last = pairs[pairs.size() - 1];
     metrics["end_error_m"] =

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "api/results.h"
+#include "api/earth_frame.h"
 
 namespace loopline {
 

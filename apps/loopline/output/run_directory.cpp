@@ -15,11 +15,6 @@
 namespace loopline {
 namespace {
 
-std::string georeference_of(const EarthFrame& frame) {
-    return gnss::georeference_text(
-        {{frame.latitude_deg, frame.longitude_deg, frame.height_m}, frame.heading_deg});
-}
-
 void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, FileList& list) {
     const auto tum = [&](const char* name, const Trajectory& trajectory, Estimate estimate) {
         list.add(name, write_tum(folder / name, trajectory, estimate), "poses");
@@ -30,7 +25,8 @@ void write_trajectories(const std::filesystem::path& folder, const RunRecord& re
         list.add("trajectory.kitti", write_kitti_poses(folder / "trajectory.kitti", *record.trajectory),
                  "poses");
         if (record.results.earth) {
-            write_whole_file(folder / "georeference.txt", georeference_of(*record.results.earth));
+            write_whole_file(folder / "georeference.txt",
+                             gnss::georeference_text(gnss::GeoReference(*record.results.earth)));
             list.add("georeference.txt");
         }
         list.add("covariance.csv", write_covariance_csv(folder / "covariance.csv", *record.trajectory),
