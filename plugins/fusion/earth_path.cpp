@@ -25,28 +25,6 @@ constexpr double slow_mps = 1;  // Doppler shifts tell no heading below
 
 }  // namespace
 
-const char* name_of(FixUse use) {
-    switch (use) {
-        case FixUse::used:
-            return "used";
-        case FixUse::no_position:
-            return "no_position";
-        case FixUse::before_path:
-            return "before_path";
-        case FixUse::after_path:
-            return "after_path";
-        case FixUse::late:
-            return "late";
-        case FixUse::off_the_path:
-            return "off_the_path";
-        case FixUse::withheld:
-            return "withheld";
-        case FixUse::heading_never_found:
-            break;
-    }
-    return "heading_never_found";
-}
-
 EarthPath::EarthPath(const EarthPathSettings& settings) : settings_(settings) {
     ahead_.covariance.diagonal().segment<3>(wheel_errors_at) = settings.wheels.first.cwiseAbs2();
 }
@@ -102,6 +80,11 @@ void EarthPath::take_fix(const gnss::GnssFix& fix, bool withheld) {
 
 std::optional<EarthState> EarthPath::latest() const {
     return committed_ ? std::optional(ahead_) : std::nullopt;
+}
+
+std::optional<PoseOnEarth> EarthPath::known() const {
+    if (!committed_) return std::nullopt;
+    return PoseOnEarth{ahead_.T_enu_base, ahead_.covariance.topLeftCorner<6, 6>()};
 }
 
 /// From the pose before to this one.
@@ -315,15 +298,16 @@ bool EarthPath::is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m) {
     return false;
 }
 
-std::vector<SmoothedPose> EarthPath::smoothed() {
-    count_[static_cast<std::size_t>(FixUse::after_path)] += waiting_.size();
+std::vector<PoseOnEarth> EarthPath::finished() {
+    tally(FixUse::after_path, waiting_.size());
     waiting_ = {};
     if (!committed_) {
-        count_[static_cast<std::size_t>(FixUse::heading_never_found)] = early_.size();
+        tally(FixUse::heading_never_found, early_.size());
+        early_ = {};
         return path_of_odometry();
     }
     settle_before(poses_.back().stamp_ns);
-    std::vector<SmoothedPose> path(poses());
+    std::vector<PoseOnEarth> path(poses());
     EarthState smoothed = state_;
     path[*committed_] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};
     for (std::size_t i = steps_.size(); i-- > 0;) {
@@ -334,8 +318,8 @@ std::vector<SmoothedPose> EarthPath::smoothed() {
     return path;
 }
 
-std::vector<SmoothedPose> EarthPath::path_of_odometry() const {
-    std::vector<SmoothedPose> path;
+std::vector<PoseOnEarth> EarthPath::path_of_odometry() const {
+    std::vector<PoseOnEarth> path;
     Matrix6d covariance = Matrix6d::Zero();
     for (std::size_t number = 0; number < poses(); ++number) {
         const Pose3& T_odom_base = pose(number).T_odom_base;

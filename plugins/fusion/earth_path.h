@@ -3,7 +3,6 @@
 /// at the end.
 #pragma once
 
-#include <array>
 #include <deque>
 #include <filesystem>
 #include <optional>
@@ -11,9 +10,9 @@
 
 #include "api/set_aside.h"
 #include "fusion/earth_filter.h"
-#include "fusion/heading_search.h"
+#include "fusion/fused_path.h"
+#include "fusion/heading_start.h"
 #include "fusion/smoother.h"
-#include "gnss/local_frame.h"
 
 namespace loopline::fusion {
 
@@ -33,30 +32,6 @@ struct EarthPathSettings {
     double late_s = 5;  ///< one that comes later than this is of no use
 };
 
-/// What became of a fix.
-enum class FixUse {
-    used,
-    no_position,   ///< the receiver had none, or it is dead reckoning
-    before_path,   ///< from before the odometry's first pose
-    after_path,    ///< from after its last one
-    late,          ///< what came after it is settled
-    off_the_path,  ///< farther off than all uncertainty explains
-    heading_never_found,
-    withheld  ///< on purpose, to see how the path does without it
-};
-/// As part of a key: "off_the_path".
-const char* name_of(FixUse use);
-constexpr std::size_t fix_uses = static_cast<std::size_t>(FixUse::withheld) + 1;
-
-/// What became of the motions that wheels told beside an odometry.
-struct WheelUse {
-    std::uint64_t used = 0;
-    std::uint64_t slipped = 0;  ///< farther from the odometry's motion than all uncertainty explains
-    double sum_of_squares = 0;  ///< normalised, of those that were used
-    /// Over their number of directions: 1 if the noise is as thought.
-    double mean_square() const { return used > 0 ? sum_of_squares / (3 * static_cast<double>(used)) : 0; }
-};
-
 /// A time in which fixes were withheld, and how far the path was from the last of them.
 struct Gap {
     StampNs from_ns = 0, to_ns = 0;
@@ -66,45 +41,34 @@ struct Gap {
     Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();               ///< that the path claims
 };
 
-class EarthPath {
+class EarthPath : public FusedPath {
  public:
     explicit EarthPath(const EarthPathSettings& settings);
     /// What only the end needs goes there from now on; before the first pose.
     void keep_in(const std::filesystem::path& folder) { steps_.keep_in(folder, "fusion_steps"); }
 
-    /// The odometry's next pose, later than the one before. `covariance`: what the motion since then adds, of
-    /// (shift, turn) along the vehicle's axes there. `wheels`: what they tell of the same motion.
     void take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance,
-                   const std::optional<Twist2>& wheels = std::nullopt);
+                   const std::optional<Twist2>& wheels = std::nullopt) override;
     /// The next pose by wheels alone: their motion since the one before.
     void take_wheels(StampNs stamp_ns, const Twist2& told);
-    void take_fix(const gnss::GnssFix& fix, bool withheld = false);
+    void take_fix(const gnss::GnssFix& fix, bool withheld = false) override;
 
-    std::size_t poses() const { return dropped_ + poses_.size(); }
+    std::size_t poses() const override { return dropped_ + poses_.size(); }
+    std::optional<PoseOnEarth> known() const override;
     /// At the latest pose; none before the heading is known.
     std::optional<EarthState> latest() const;
     bool heading_known() const { return committed_.has_value(); }
+    /// Smoothed; with the covariance of the odometry's way if the heading was never found.
+    std::vector<PoseOnEarth> finished() override;
     /// The latest motion, as all who told of it have it.
     const Motion& latest_motion() const { return latest_motion_; }
     /// Lasting errors of the wheels, as known at the latest pose; known before the heading is.
     const Eigen::Vector3d& wheel_errors() const { return ahead_.wheel_errors; }
     Eigen::Vector3d wheel_error_sigmas() const;
-    /// Local frame of the path on the Earth; none before the first fix.
-    const std::optional<gnss::LocalFrame>& earth() const { return earth_; }
-
-    /// End of the log: all poses, by all fixes. If the heading was never found, they are the odometry's, with
-    /// the covariance of its way.
-    std::vector<SmoothedPose> smoothed();
-
-    std::size_t count(FixUse use) const { return count_[static_cast<std::size_t>(use)]; }
-    const WheelUse& wheel_use() const { return wheel_use_; }
     const std::vector<Gap>& gaps() const { return gaps_; }
     /// Mean of the fixes' normalised squares by 3: 1 if the noise is as thought.
     double mean_square() const { return squares_ > 0 ? sum_of_squares_ / static_cast<double>(squares_) : 0; }
     std::size_t re_entries() const { return re_entries_; }
-    /// When the heading was known: way of the odometry since the first pose, and its standard deviation.
-    double heading_way_m() const { return heading_way_m_; }
-    double heading_sigma_rad() const { return heading_found_sigma_rad_; }
 
  private:
     template <class Archive>
@@ -156,22 +120,19 @@ class EarthPath {
     void doubt_the_path(const Eigen::Vector3d& off_m);
     void update_velocity(const gnss::GnssFix& fix, const Moment& then);
     void look_at_withheld(const gnss::GnssFix& fix);
-    std::vector<SmoothedPose> path_of_odometry() const;
+    std::vector<PoseOnEarth> path_of_odometry() const;
     void look_for_heading(const gnss::GnssFix& fix);
-    bool see(const gnss::GnssFix& fix);
     void begin(const Pose3& T_enu_odom);
     bool is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m);
     void look_ahead();
-    void tally(FixUse use) { ++count_[static_cast<std::size_t>(use)]; }
 
     EarthPathSettings settings_;
-    std::optional<gnss::LocalFrame> earth_;
     std::deque<PoseNode> poses_;            ///< from the one at `committed_` on
     std::size_t dropped_ = 0;               ///< before them
     StampNs first_ns_ = 0;                  ///< stamp of the very first
     std::deque<WaitingFix> waiting_;        ///< for a pose that is not earlier
     std::vector<gnss::GnssFix> early_;      ///< from before the heading was known
-    std::vector<SeenFix> seen_;             ///< of them, those that the heading is sought by
+    HeadingStart start_;                    ///< by them
     std::optional<std::size_t> committed_;  ///< the pose that state_ is at; fixes are used up to there
     EarthState state_;                      ///< there
     EarthState ahead_;  ///< at the latest pose; in the odometry's frame until the heading is known
@@ -181,13 +142,10 @@ class EarthPath {
     std::vector<Misfit> misfits_;  ///< since the last fix that was used
     StampNs used_ns_ = 0;          ///< stamp of that
     SetAside<SmootherStep> steps_;
-    std::array<std::size_t, fix_uses> count_{};
-    WheelUse wheel_use_;
     std::vector<Gap> gaps_;
     GapStart gap_start_;  ///< of the last of them
     double sum_of_squares_ = 0;
     std::size_t squares_ = 0, re_entries_ = 0;
-    double heading_way_m_ = 0, heading_found_sigma_rad_ = 0;
 };
 
 }  // namespace loopline::fusion

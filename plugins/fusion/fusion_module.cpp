@@ -45,6 +45,12 @@ ParameterTable FusionModule::parameters() {
             .real(kind + "_correlation_s", n.correlation_s, {0.1, 1e6}, "How long that lasts.");
     };
     table
+        .choice("filter", filter_, {{"error_state", Filter::error_state}, {"paper", Filter::paper}},
+                "On errors of the pose and of its sensors, smoothed at the end; or the paper's light one.")
+        .choice("sync", sync_, {{"interpolate", Sync::interpolate}, {"threshold", Sync::threshold}},
+                "Each sensor at its own time; or, with filter = paper, only frames of which all sensors tell "
+                "something within sync_s, others going on by the odometry alone.")
+        .real("sync_s", paper_settings_.sync_s, {0, 10}, "The threshold of that.")
         .text(
             "motion", motion_label_,
             "Label of the poses that tell the motion, CObservationRobotPose, such as lidar_mapping or "
@@ -110,6 +116,11 @@ std::string FusionModule::check() const {
     if (motion_label_.empty() && told_wheels_label_.empty())
         return "motion and wheels are both empty; name the label of poses in one of them, such as motion = "
                "lidar_mapping";
+    if (sync_ == Sync::threshold && filter_ != Filter::paper)
+        return "sync = threshold is for filter = paper; the other filter takes each fix at its own time";
+    if (filter_ == Filter::paper && motion_label_.empty())
+        return "filter = paper works on the clock of an odometry in space; name its label in motion, or take "
+               "filter = error_state for wheels alone";
     if (withhold_s_ > 0 && withhold_s_ >= withhold_every_s_)
         return "withhold_s = " + std::to_string(withhold_s_) +
                " leaves no fixes at all; make it shorter than "
@@ -118,8 +129,22 @@ std::string FusionModule::check() const {
 }
 
 void FusionModule::start(const RunContext& context) {
-    path_ = std::make_unique<EarthPath>(settings_);
-    path_->keep_in(context.scratch_folder);
+    if (filter_ == Filter::paper) {
+        paper_settings_.sync = sync_;
+        paper_settings_.wheels_are_there = !told_wheels_label_.empty();
+        paper_settings_.noise = settings_.noise;
+        paper_settings_.heading_sigma_rad = settings_.heading_sigma_rad;
+        paper_settings_.late_s = settings_.late_s;
+        auto path = std::make_unique<PaperPath>(paper_settings_);
+        path->keep_in(context.scratch_folder);
+        paper_ = path.get();
+        path_ = std::move(path);
+    } else {
+        auto path = std::make_unique<EarthPath>(settings_);
+        path->keep_in(context.scratch_folder);
+        error_state_ = path.get();
+        path_ = std::move(path);
+    }
     online_.keep_in(context.scratch_folder, "fusion_online");
 }
 
@@ -175,13 +200,14 @@ void FusionModule::take_wheels(const StreamItem& item, const Pose2& T_odom_base,
     last_wheels_ = T_odom_base;
     publish_calibrated(item, told, publisher);
     if (!motion_label_.empty()) return;
-    path_->take_wheels(item.stamp_ns, told);
+    error_state_->take_wheels(item.stamp_ns, told);
     wheel_path_.forget_before(item.stamp_ns);
     publish(item, publisher);
 }
 
 void FusionModule::publish_calibrated(const StreamItem& item, const Twist2& told, Publisher& publisher) {
-    T_odom_calibrated_ = T_odom_calibrated_ * exp_se2(corrected(told, path_->wheel_errors()));
+    const Twist2 twist = error_state_ != nullptr ? corrected(told, error_state_->wheel_errors()) : told;
+    T_odom_calibrated_ = T_odom_calibrated_ * exp_se2(twist);
     const auto observation = calibrated_pool_.take();
     observation->sensorLabel = wheels_label;
     observation->timestamp = item.observation->timestamp;
@@ -191,24 +217,25 @@ void FusionModule::publish_calibrated(const StreamItem& item, const Twist2& told
 
 /// What is known at the latest pose.
 void FusionModule::publish(const StreamItem& item, Publisher& publisher) {
-    const Motion& motion = path_->latest_motion();
-    auto& [T_odom_base, covariance] = fused_odometry_;
-    const Pose3 T_odom_before = T_odom_base;
-    T_odom_base = T_odom_base * motion.T_from_to;
-    const Matrix6d F = carried_along(T_odom_base.translation_m - T_odom_before.translation_m),
-                   R = turned_both(T_odom_before.rotation);
-    covariance = F * covariance * F.transpose() + R * motion.covariance * R.transpose();
     const auto& timestamp = item.observation->timestamp;
-    publisher.publish(pose_observation(odometry_label, timestamp, T_odom_base, covariance));
+    if (error_state_ != nullptr) {
+        const Motion& motion = error_state_->latest_motion();
+        auto& [T_odom_base, covariance] = fused_odometry_;
+        const Pose3 T_odom_before = T_odom_base;
+        T_odom_base = T_odom_base * motion.T_from_to;
+        const Matrix6d F = carried_along(T_odom_base.translation_m - T_odom_before.translation_m),
+                       R = turned_both(T_odom_before.rotation);
+        covariance = F * covariance * F.transpose() + R * motion.covariance * R.transpose();
+        publisher.publish(pose_observation(odometry_label, timestamp, T_odom_base, covariance));
+    }
 
     Online online;
     online.sequence = item.sequence;
     online.stamp_ns = item.stamp_ns;
-    if (const auto state = path_->latest()) {
+    if (const auto now = path_->known()) {
         online.known = true;
-        online.T_enu_base = Pose3Record(state->T_enu_base);
-        publisher.publish(pose_observation(published_label, timestamp, state->T_enu_base,
-                                           state->covariance.topLeftCorner<6, 6>()));
+        online.T_enu_base = Pose3Record(now->T_enu_base);
+        publisher.publish(pose_observation(published_label, timestamp, now->T_enu_base, now->covariance));
     }
     online_.push_back(online);
 }
@@ -222,15 +249,15 @@ void FusionModule::finish(Results& results) {
             (motion_label_.empty() ? "wheels" : "motion");
         return;
     }
-    const std::vector<SmoothedPose> smoothed = path_->smoothed();
+    const std::vector<PoseOnEarth> path = path_->finished();
     std::size_t known_from = online_.size();
-    for (std::size_t i = 0; i < smoothed.size(); ++i) {
+    for (std::size_t i = 0; i < path.size(); ++i) {
         const Online online = online_[i];
         if (online.known) known_from = std::min(known_from, i);
-        const Pose3& T_enu_base = smoothed[i].T_enu_base;
+        const Pose3& T_enu_base = path[i].T_enu_base;
         trajectory_.append_revised(online.sequence, online.stamp_ns,
                                    online.known ? online.T_enu_base.pose() : T_enu_base, T_enu_base,
-                                   smoothed[i].covariance);
+                                   path[i].covariance);
     }
     trajectory_.set_known_from(known_from);
     trajectory_.finish_revision();
@@ -247,25 +274,11 @@ void FusionModule::report(Results& results) const {
         if (count(use) > 0) metrics[std::string("gnss_refused_") + name_of(use)] = count(use);
     }
     if (backwards_ > 0) metrics["poses_backward"] = backwards_;
-    if (!told_wheels_label_.empty()) {
-        const auto& errors = path_->wheel_errors();
-        const auto sigmas = path_->wheel_error_sigmas();
-        if (!motion_label_.empty()) {
-            metrics["wheels_used"] = static_cast<std::int64_t>(path_->wheel_use().used);
-            metrics["wheels_mean_square"] = path_->wheel_use().mean_square();
-            metrics["wheels_refused_slipped"] = static_cast<std::int64_t>(path_->wheel_use().slipped);
-        }
-        metrics["wheel_scale"] = 1 + errors[way_scale];
-        metrics["wheel_scale_sigma"] = sigmas[way_scale];
-        metrics["wheel_turn_scale"] = 1 + errors[turn_scale];
-        metrics["wheel_turn_scale_sigma"] = sigmas[turn_scale];
-        metrics["wheel_bend_deg"] = errors[bend] * 180 / M_PI;
-        metrics["wheel_bend_sigma_deg"] = sigmas[bend] * 180 / M_PI;
-    }
+    report_wheels(results);
     report_gaps(results);
     metrics["gnss_used"] = count(FixUse::used);
     metrics["gnss_refused"] = refused;
-    if (!path_->heading_known()) {
+    if (!path_->known()) {
         results.warnings.push_back(
             "the fixes of the receiver never told the heading of the path, so it is not placed on the Earth; "
             "its frame is that of " +
@@ -274,17 +287,37 @@ void FusionModule::report(Results& results) const {
     }
     const gnss::Geodetic& origin = path_->earth()->origin();
     results.earth = EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0};
-    metrics["gnss_re_entries"] = static_cast<std::int64_t>(path_->re_entries());
-    metrics["gnss_mean_square"] = path_->mean_square();
-    metrics["heading_found_way_m"] = path_->heading_way_m();
-    metrics["heading_found_sigma_deg"] = path_->heading_sigma_rad() * 180 / M_PI;
+    metrics["heading_found_way_m"] = path_->heading().way_m;
+    metrics["heading_found_sigma_deg"] = path_->heading().sigma_rad * 180 / M_PI;
+    if (paper_ != nullptr) metrics["frames_fused"] = static_cast<std::int64_t>(paper_->fused());
+    if (error_state_ == nullptr) return;
+    metrics["gnss_re_entries"] = static_cast<std::int64_t>(error_state_->re_entries());
+    metrics["gnss_mean_square"] = error_state_->mean_square();
+}
+
+void FusionModule::report_wheels(Results& results) const {
+    if (told_wheels_label_.empty() || error_state_ == nullptr) return;
+    auto& metrics = results.metrics;
+    if (!motion_label_.empty()) {
+        metrics["wheels_used"] = static_cast<std::int64_t>(path_->wheel_use().used);
+        metrics["wheels_mean_square"] = path_->wheel_use().mean_square();
+        metrics["wheels_refused_slipped"] = static_cast<std::int64_t>(path_->wheel_use().slipped);
+    }
+    const auto& errors = error_state_->wheel_errors();
+    const auto sigmas = error_state_->wheel_error_sigmas();
+    metrics["wheel_scale"] = 1 + errors[way_scale];
+    metrics["wheel_scale_sigma"] = sigmas[way_scale];
+    metrics["wheel_turn_scale"] = 1 + errors[turn_scale];
+    metrics["wheel_turn_scale_sigma"] = sigmas[turn_scale];
+    metrics["wheel_bend_deg"] = errors[bend] * 180 / M_PI;
+    metrics["wheel_bend_sigma_deg"] = sigmas[bend] * 180 / M_PI;
 }
 
 /// How far the path was from the last fix of each gap, on the plan, and its motion alone from where that
 /// began.
 void FusionModule::report_gaps(Results& results) const {
-    const auto& gaps = path_->gaps();
-    if (withhold_s_ == 0) return;
+    if (withhold_s_ == 0 || error_state_ == nullptr) return;
+    const auto& gaps = error_state_->gaps();
     results.metrics["gaps"] = static_cast<std::int64_t>(gaps.size());
     const auto sum_up = [&](const std::string& of, Eigen::Vector3d Gap::*off) {
         double squares = 0, worst_m = 0, parts = 0, worst_part = 0;

@@ -14,6 +14,7 @@
 #include "api/pose_observation.h"
 #include "api/set_aside.h"
 #include "fusion/earth_path.h"
+#include "fusion/paper_path.h"
 #include "fusion/wheel_path.h"
 
 namespace mrpt::obs {
@@ -64,13 +65,20 @@ class FusionModule : public Module {
     void publish(const StreamItem& item, Publisher& publisher);
     void publish_calibrated(const StreamItem& item, const Twist2& told, Publisher& publisher);
     void report(Results& results) const;
+    void report_wheels(Results& results) const;
     void report_gaps(Results& results) const;
 
+    enum class Filter { error_state, paper };
+    Filter filter_ = Filter::error_state;
+    fusion::Sync sync_ = fusion::Sync::interpolate;
     fusion::EarthPathSettings settings_;
+    fusion::PaperSettings paper_settings_;
     std::string motion_label_ = "lidar_mapping", told_wheels_label_, receiver_label_;
     double latency_s_ = 0, withhold_s_ = 0, withhold_every_s_ = 300;
 
-    std::unique_ptr<fusion::EarthPath> path_;
+    std::unique_ptr<fusion::FusedPath> path_;
+    fusion::EarthPath* error_state_ = nullptr;  ///< which is path_, or null
+    fusion::PaperPath* paper_ = nullptr;        ///< the same
     std::optional<PoseWithCovariance> last_;
     StampNs last_ns_ = 0, first_ns_ = 0;
     fusion::WheelPath wheel_path_;

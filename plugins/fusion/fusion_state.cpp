@@ -74,17 +74,30 @@ void fields(Archive& archive, EarthState& state) {
 }
 
 template <class Archive>
-void fields(Archive& archive, EarthPath& path) {
+void fields(Archive& archive, HeadingStart& start) {
+    archive(start.seen_);
+}
+
+template <class Archive>
+void common(Archive& archive, std::optional<gnss::LocalFrame>& earth, HeadingFound& heading,
+            std::array<std::size_t, fix_uses>& uses, WheelUse& wheels) {
     std::optional<gnss::Geodetic> origin;
-    if (path.earth_) origin = path.earth_->origin();
+    if (earth) origin = earth->origin();
     archive(origin);
-    if (Archive::reading && origin) path.earth_.emplace(*origin);
+    if (Archive::reading && origin) earth.emplace(*origin);
+    archive(heading.way_m, heading.sigma_rad, wheels);
+    for (auto& count : uses) archive(count);
+}
+
+template <class Archive>
+void fields(Archive& archive, EarthPath& path) {
+    common(archive, path.earth_, path.heading_, path.count_, path.wheel_use_);
     archive(path.dropped_, path.first_ns_);
     archive.each(path.poses_, [](Archive& a, EarthPath::PoseNode& node) {
         a(node.stamp_ns, node.T_odom_base, node.covariance, node.wheels, node.by_wheels, node.way_m);
     });
     archive.each(path.waiting_, [](Archive& a, EarthPath::WaitingFix& w) { a(w.fix, w.withheld); });
-    archive(path.early_, path.seen_);
+    archive(path.early_, path.start_);
     std::optional<std::uint64_t> committed = path.committed_;
     archive(committed);
     if (Archive::reading && committed) path.committed_ = *committed;
@@ -92,18 +105,34 @@ void fields(Archive& archive, EarthPath& path) {
     archive.each(path.misfits_,
                  [](Archive& a, EarthPath::Misfit& misfit) { a(misfit.stamp_ns, misfit.off_m); });
     archive(path.used_ns_, path.steps_);
-    for (auto& count : path.count_) archive(count);
-    archive(path.wheel_use_, path.gaps_, path.gap_start_.T_enu_base, path.gap_start_.T_odom_base,
-            path.gap_start_.way_m);
-    archive(path.sum_of_squares_, path.squares_, path.re_entries_, path.heading_way_m_,
-            path.heading_found_sigma_rad_);
+    archive(path.gaps_, path.gap_start_.T_enu_base, path.gap_start_.T_odom_base, path.gap_start_.way_m);
+    archive(path.sum_of_squares_, path.squares_, path.re_entries_);
+}
+
+template <class Archive>
+void fields(Archive& archive, PaperFilter& filter) {
+    archive(filter.s_, filter.P_);
+}
+
+template <class Archive>
+void fields(Archive& archive, PaperPath& path) {
+    common(archive, path.earth_, path.heading_, path.count_, path.wheel_use_);
+    archive.each(path.frames_, [](Archive& a, PaperPath::Frame& frame) {
+        a(frame.stamp_ns, frame.T_odom_base, frame.wheels);
+    });
+    archive(path.first_ns_, path.way_m_, path.waiting_, path.start_, path.early_, path.begun_);
+    for (PaperPath::Step* step : {&path.step_, &path.ahead_})
+        archive(step->filter, step->way_m, step->turn_rad);
+    archive(path.fused_, path.done_);
 }
 
 }  // namespace fusion
 
 template <class Archive>
 void fields(Archive& archive, FusionModule& m) {
-    archive(*m.path_, m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
+    if (m.paper_ != nullptr) archive(*m.paper_);
+    if (m.error_state_ != nullptr) archive(*m.error_state_);
+    archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
             m.fused_odometry_, m.online_, m.backwards_);
 }
 

@@ -32,11 +32,6 @@ struct SmootherStep {
     SmootherStep(std::size_t from_pose, const EarthState& before, const Carried& carried);
 };
 
-struct SmoothedPose {
-    Pose3 T_enu_base;
-    Matrix6d covariance = Matrix6d::Zero();  ///< of (shift, turn) along ENU, about the vehicle
-};
-
 /// One step back: the state before it, given all that was said of the one after it.
 EarthState smoothed_before(const SmootherStep& step, const EarthState& smoothed_after);
 

@@ -320,7 +320,7 @@ TEST(EarthPath, heading_is_known_within_a_degree_after_20_m_wherever_the_vehicle
         std::vector<std::optional<EarthState>> online;
         const EarthPath path = followed(drive, {}, static_cast<std::uint64_t>(k), {}, &online);
         ASSERT_TRUE(path.heading_known());
-        EXPECT_LT(path.heading_way_m(), 5);
+        EXPECT_LT(path.heading().way_m, 5);
         for (std::size_t i = 0; i < online.size(); ++i) {
             if ((drive.T_enu_base[i].translation_m - drive.T_enu_base[0].translation_m).norm() < 20) continue;
             ASSERT_TRUE(online[i]);
@@ -343,7 +343,7 @@ TEST(EarthPath, covariances_are_right_over_50_drives) {
         std::vector<std::optional<EarthState>> online;
         EarthPath path = followed(drive, receiver, seed, settings, &online);
         const Pose3 T = T_path_truth(path);
-        const auto smoothed = path.smoothed();
+        const auto smoothed = path.finished();
         for (int i = 0; i < 4; ++i) {
             const Pose3 truth = T * drive.T_enu_base[looks[i]];
             online_sum[i] += nees(online[looks[i]]->T_enu_base, truth,
@@ -391,7 +391,7 @@ TEST(EarthPath, an_outage_is_bridged_and_smoothed) {
         return (pose.translation_m - (T * drive.T_enu_base[i]).translation_m).norm();
     };
     EXPECT_LT(off_m(online[795]->T_enu_base, 795), 0.005 * 480) << "0.5 % of the way without fixes";
-    const auto smoothed = path.smoothed();
+    const auto smoothed = path.finished();
     double online_worst_m = 0, smoothed_worst_m = 0;
     for (std::size_t i = 200; i < 800; ++i) {
         online_worst_m = std::max(online_worst_m, off_m(online[i]->T_enu_base, i));
@@ -455,7 +455,7 @@ TEST(EarthPath, every_fix_is_counted_once_with_what_became_of_it) {
             path.take_fix(odd);
         }
         path.take_fix({});
-        const auto smoothed = path.smoothed();
+        const auto smoothed = path.finished();
         EXPECT_EQ(smoothed.size(), drive.stamps_ns.size());
         EXPECT_EQ(path.poses(), drive.stamps_ns.size());
         std::size_t counted = 0;
@@ -476,7 +476,7 @@ TEST(EarthPath, a_receiver_that_starts_late_places_the_way_before_too) {
     const Drive drive(40, 2);
     EarthPath path = followed(drive, receiver, 4);
     const Pose3 T = T_path_truth(path);
-    const auto smoothed = path.smoothed();
+    const auto smoothed = path.finished();
     for (std::size_t i = 0; i < smoothed.size(); ++i) {
         ASSERT_TRUE(smoothed[i].covariance.allFinite());
         EXPECT_LT((smoothed[i].T_enu_base.translation_m - (T * drive.T_enu_base[i]).translation_m).norm(),
