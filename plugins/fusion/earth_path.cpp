@@ -64,7 +64,7 @@ void EarthPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matr
 }
 
 void EarthPath::take_fix(const gnss::GnssFix& fix) {
-    if (!fix.is_usable()) return tally(FixUse::no_position);
+    if (!fix.is_usable()) return tally(fix, FixUse::no_position);
     if (!earth_) earth_.emplace(fix.antenna);
     waiting_.push_back(fix);
     use_waiting();
@@ -93,6 +93,11 @@ std::size_t EarthPath::pose_before(StampNs stamp_ns) const {
     return dropped_ + static_cast<std::size_t>(after - poses_.begin()) - 1;
 }
 
+void EarthPath::tally(const gnss::GnssFix& fix, FixUse use) {
+    ++count_[static_cast<std::size_t>(use)];
+    if (tell_) tell_(fix, use);
+}
+
 void EarthPath::use_waiting() {
     while (!waiting_.empty() && !poses_.empty() && waiting_.front().stamp_ns <= poses_.back().stamp_ns) {
         const gnss::GnssFix fix = waiting_.front();
@@ -102,9 +107,9 @@ void EarthPath::use_waiting() {
 }
 
 void EarthPath::use(const gnss::GnssFix& fix) {
-    if (fix.stamp_ns < first_ns_) return tally(FixUse::before_path);
+    if (fix.stamp_ns < first_ns_) return tally(fix, FixUse::before_path);
     if (!committed_) return look_for_heading(fix);
-    tally(apply(fix));
+    tally(fix, apply(fix));
     look_ahead();
 }
 
@@ -260,17 +265,17 @@ void EarthPath::begin(const Pose3& T_enu_odom) {
     const Matrix6d R = turned_both(state_.T_enu_base.rotation);
     state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
     committed_ = 0;
-    for (const gnss::GnssFix& fix : early_) tally(apply(fix));
+    for (const gnss::GnssFix& fix : early_) tally(fix, apply(fix));
     early_ = {};
     seen_ = {};
     look_ahead();
 }
 
 std::vector<SmoothedPose> EarthPath::smoothed() {
-    count_[static_cast<std::size_t>(FixUse::after_path)] += waiting_.size();
+    for (const gnss::GnssFix& fix : waiting_) tally(fix, FixUse::after_path);
     waiting_ = {};
     if (!committed_) {
-        count_[static_cast<std::size_t>(FixUse::heading_never_found)] = early_.size();
+        for (const gnss::GnssFix& fix : early_) tally(fix, FixUse::heading_never_found);
         return path_of_odometry();
     }
     settle_before(poses_.back().stamp_ns);

@@ -5,7 +5,9 @@
 #include <array>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "api/set_aside.h"
@@ -54,6 +56,9 @@ class EarthPath {
     /// (shift, turn) along the vehicle's axes there.
     void take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance);
     void take_fix(const gnss::GnssFix& fix);
+    /// Told of every fix when it is known what became of it.
+    using Tell = std::function<void(const gnss::GnssFix&, FixUse)>;
+    void tell_fates_to(Tell tell) { tell_ = std::move(tell); }
 
     std::size_t poses() const { return dropped_ + poses_.size(); }
     /// At the latest pose; none before the heading is known.
@@ -111,9 +116,10 @@ class EarthPath {
     void begin(const Pose3& T_enu_odom);
     bool is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m);
     void look_ahead();
-    void tally(FixUse use) { ++count_[static_cast<std::size_t>(use)]; }
+    void tally(const gnss::GnssFix& fix, FixUse use);
 
     EarthPathSettings settings_;
+    Tell tell_;
     std::optional<gnss::LocalFrame> earth_;
     std::deque<PoseNode> poses_;            ///< from the one at `committed_` on
     std::size_t dropped_ = 0;               ///< before them

@@ -3,6 +3,7 @@
 #include <mrpt/obs/CObservationGPS.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "api/observation_class.h"
 #include "gnss/gps_observation.h"
@@ -69,7 +70,21 @@ ParameterTable FusionModule::parameters() {
 void FusionModule::start(const RunContext& context) {
     path_ = std::make_unique<EarthPath>(settings_);
     path_->keep_in(context.scratch_folder);
+    path_->tell_fates_to([this](const gnss::GnssFix& fix, FixUse use) { keep_fix(fix, use); });
     online_.keep_in(context.scratch_folder, "fusion_online");
+    fixes_.keep_in(context.scratch_folder, "fusion_fixes");
+    scratch_folder_ = context.scratch_folder;
+}
+
+void FusionModule::keep_fix(const gnss::GnssFix& fix, FixUse use) {
+    if (use == FixUse::no_position) return;
+    gnss::Geodetic antenna = fix.antenna;
+    if (!fix.has_height) antenna.height_m = path_->earth()->origin().height_m;
+    const Eigen::Vector3d p_enu_m = path_->earth()->p_enu_m(antenna);
+    fixes_.push_back({fix.stamp_ns,
+                      {p_enu_m.x(), p_enu_m.y(), fix.has_height ? p_enu_m.z() : NAN},
+                      static_cast<std::uint64_t>(use)});
+    if (!geoid_separation_m_ && fix.geoid_separation_m != 0) geoid_separation_m_ = fix.geoid_separation_m;
 }
 
 void FusionModule::process(const StreamItem& item, Publisher& publisher) {
@@ -95,6 +110,7 @@ void FusionModule::take_pose(const StreamItem& item, const PoseWithCovariance& p
     Online online;
     online.sequence = item.sequence;
     online.stamp_ns = item.stamp_ns;
+    online.T_odom_base = Pose3Record(pose.T_map_base);
     if (const auto state = path_->latest()) {
         online.known = true;
         online.T_enu_base = Pose3Record(state->T_enu_base);
@@ -125,6 +141,21 @@ void FusionModule::finish(Results& results) {
     trajectory_.set_known_from(known_from);
     trajectory_.finish_revision();
     report(results);
+    if (results.earth) hand_over_inputs(smoothed.front().T_enu_base, results);
+}
+
+/// What the path was made from, for who wants to compare: the motion alone, from the first pose on, and the
+/// fixes.
+void FusionModule::hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const {
+    const Pose3 T_enu_odom = T_enu_base_first * online_.front().T_odom_base.pose().inverse();
+    auto motion = std::make_shared<Trajectory>();
+    motion->keep_in(scratch_folder_);
+    for (const Online& online : online_)
+        motion->append(online.sequence, online.stamp_ns, T_enu_odom * online.T_odom_base.pose(), {});
+    results.uncorrected = NamedPath{"without fixes", motion};
+    results.fixes.list = &fixes_;
+    for (std::size_t use = 0; use < fix_uses; ++use)
+        results.fixes.fates.push_back(name_of(static_cast<FixUse>(use)));
 }
 
 void FusionModule::report(Results& results) const {
@@ -147,7 +178,7 @@ void FusionModule::report(Results& results) const {
         return;
     }
     const gnss::Geodetic& origin = path_->earth()->origin();
-    results.earth = EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0};
+    results.earth = EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0, geoid_separation_m_};
     metrics["gnss_re_entries"] = static_cast<std::int64_t>(path_->re_entries());
     metrics["gnss_mean_square"] = path_->mean_square();
     metrics["heading_found_way_m"] = path_->heading_way_m();

@@ -35,11 +35,13 @@ class FusionModule : public Module {
     struct Online {
         std::uint64_t sequence = 0;
         StampNs stamp_ns = 0;
-        Pose3Record T_enu_base;
+        Pose3Record T_enu_base, T_odom_base;
         bool known = false;
     };
     void take_pose(const StreamItem& item, const PoseWithCovariance& pose, Publisher& publisher);
+    void keep_fix(const gnss::GnssFix& fix, fusion::FixUse use);
     void report(Results& results) const;
+    void hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const;
 
     fusion::EarthPathSettings settings_;
     std::string motion_label_ = "lidar_mapping", receiver_label_;
@@ -48,6 +50,9 @@ class FusionModule : public Module {
     std::optional<PoseWithCovariance> last_;
     StampNs last_ns_ = 0;
     SetAside<Online> online_;
+    SetAside<PlacedFix> fixes_;                ///< all with a place, as their fate was known
+    std::optional<double> geoid_separation_m_;  ///< of the first of them
+    std::filesystem::path scratch_folder_;
     std::int64_t backwards_ = 0;
 
     Trajectory trajectory_;  ///< laid out at the end

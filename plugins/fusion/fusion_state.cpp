@@ -69,15 +69,15 @@ void fields(Archive& archive, EarthPath& path) {
 
 template <class Archive>
 void fields(Archive& archive, FusionModule& m) {
-    archive(*m.path_, m.last_, m.last_ns_, m.online_, m.backwards_);
+    archive(*m.path_, m.last_, m.last_ns_, m.online_, m.backwards_, m.fixes_, m.geoid_separation_m_);
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 1, *this);
+    write_state(out, info().name, 2, *this);
 }
 
 void FusionModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 1, *this);
+    read_state(in, info().name, 2, *this);
 }
 
 }  // namespace loopline
