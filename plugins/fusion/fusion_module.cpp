@@ -178,7 +178,8 @@ void FusionModule::report(Results& results) const {
         return;
     }
     const gnss::Geodetic& origin = path_->earth()->origin();
-    results.earth = EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0, geoid_separation_m_};
+    results.earth =
+        EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0, geoid_separation_m_};
     metrics["gnss_re_entries"] = static_cast<std::int64_t>(path_->re_entries());
     metrics["gnss_mean_square"] = path_->mean_square();
     metrics["heading_found_way_m"] = path_->heading_way_m();

@@ -50,7 +50,7 @@ class FusionModule : public Module {
     std::optional<PoseWithCovariance> last_;
     StampNs last_ns_ = 0;
     SetAside<Online> online_;
-    SetAside<PlacedFix> fixes_;                ///< all with a place, as their fate was known
+    SetAside<PlacedFix> fixes_;                 ///< all with a place, as their fate was known
     std::optional<double> geoid_separation_m_;  ///< of the first of them
     std::filesystem::path scratch_folder_;
     std::int64_t backwards_ = 0;

@@ -59,15 +59,16 @@ std::string georeference_text(const GeoReference& reference) {
         "\nheight_m = " + number_text(origin.height_m) +
         "\nheading_deg = " + number_text(reference.heading_deg()) + "\n";
     if (const auto utm = to_utm(origin))
-        text += "# The same origin on the UTM grid, zone " + std::to_string(utm->zone) +
-                (utm->north ? " north" : " south") +
-                ", which follows from the above: the convergence is that of grid\n# north, clockwise from true "
-                "north, the scale a length on the grid by that on the ellipsoid.\nutm_epsg = " +
-                std::to_string(epsg_code(*utm)) + "\nutm_zone = " + std::to_string(utm->zone) +
-                "\nutm_easting_m = " + number_text(utm->easting_m) +
-                "\nutm_northing_m = " + number_text(utm->northing_m) +
-                "\nutm_convergence_deg = " + number_text(utm->convergence_rad / rad_per_deg) +
-                "\nutm_scale = " + number_text(utm->scale) + "\n";
+        text +=
+            "# The same origin on the UTM grid, zone " + std::to_string(utm->zone) +
+            (utm->north ? " north" : " south") +
+            ", which follows from the above: the convergence is that of grid\n# north, clockwise from true "
+            "north, the scale a length on the grid by that on the ellipsoid.\nutm_epsg = " +
+            std::to_string(epsg_code(*utm)) + "\nutm_zone = " + std::to_string(utm->zone) +
+            "\nutm_easting_m = " + number_text(utm->easting_m) +
+            "\nutm_northing_m = " + number_text(utm->northing_m) +
+            "\nutm_convergence_deg = " + number_text(utm->convergence_rad / rad_per_deg) +
+            "\nutm_scale = " + number_text(utm->scale) + "\n";
     return text;
 }
 
@@ -92,8 +93,8 @@ GeoReference georeference_from_text(const std::string& text, const std::string& 
     origin.latitude_deg = taken(values, "latitude_deg", 90, name);
     origin.longitude_deg = taken(values, "longitude_deg", 360, name);
     origin.height_m = taken(values, "height_m", most_height_m, name);
-    for (const char* derived : {"utm_epsg", "utm_zone", "utm_easting_m", "utm_northing_m",
-                                "utm_convergence_deg", "utm_scale"})
+    for (const char* derived :
+         {"utm_epsg", "utm_zone", "utm_easting_m", "utm_northing_m", "utm_convergence_deg", "utm_scale"})
         values.erase(derived);  // the origin tells them
     const double heading_deg = values.count("heading_deg") > 0 ? taken(values, "heading_deg", 360, name) : 0;
     if (!values.empty())

@@ -31,9 +31,10 @@ UtmOfMap::Cell UtmOfMap::cell_about(const Eigen::Vector3d& middle_m) const {
         cell.slope.col(i) = (ahead - behind) / side_m;
         set(i, i, (ahead - 2 * cell.at_middle_m + behind) / (half_m * half_m));
         for (int k = 0; k < i; ++k)
-            set(i, k, (at(step.col(i) + step.col(k)) - at(step.col(i) - step.col(k)) -
-                       at(step.col(k) - step.col(i)) + at(-step.col(i) - step.col(k))) /
-                          (side_m * side_m));
+            set(i, k,
+                (at(step.col(i) + step.col(k)) - at(step.col(i) - step.col(k)) -
+                 at(step.col(k) - step.col(i)) + at(-step.col(i) - step.col(k))) /
+                    (side_m * side_m));
     }
     return cell;
 }
@@ -47,8 +48,9 @@ Eigen::Vector3d UtmOfMap::p_utm_m(const Eigen::Vector3d& p_map_m) {
         auto found = cells_.find(key);
         if (found == cells_.end())
             found = cells_
-                        .emplace(key, cell_about(side_m * (Eigen::Vector3d(key[0], key[1], key[2]).array() + 0.5)
-                                                              .matrix()))
+                        .emplace(key,
+                                 cell_about(side_m *
+                                            (Eigen::Vector3d(key[0], key[1], key[2]).array() + 0.5).matrix()))
                         .first;
         last_ = &found->second;
         last_key_ = key;

@@ -53,7 +53,8 @@ std::optional<EarthVertex> EarthStretches::vertex(std::size_t index) const {
         estimate_ == Estimate::latest ? entry.T_map_base : trajectory_->T_map_base_online(index);
     if (!pose.translation_m.allFinite()) return std::nullopt;
     const Eigen::Matrix3d& R = reference_.R_enu_map();
-    const Eigen::Matrix3d covariance_enu = R * entry.covariance.matrix().topLeftCorner<3, 3>() * R.transpose();
+    const Eigen::Matrix3d covariance_enu =
+        R * entry.covariance.matrix().topLeftCorner<3, 3>() * R.transpose();
     return EarthVertex{entry.stamp_ns, reference_.geodetic(pose.translation_m),
                        covariance_enu.diagonal().cwiseSqrt(), std::sqrt(entry.covariance(5, 5))};
 }

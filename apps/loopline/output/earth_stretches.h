@@ -20,14 +20,14 @@ struct EarthVertex {
     double sigma_heading_rad = 0;
 };
 
-/// Vertices of a trajectory, which outlives this; computed anew whenever they are asked for, so that a path may
-/// be longer than memory.
+/// Vertices of a trajectory, which outlives this; computed anew whenever they are asked for, so that a path
+/// may be longer than memory.
 class EarthStretches {
  public:
     EarthStretches(const Trajectory& trajectory, const gnss::GeoReference& reference, Estimate estimate);
 
-    /// Stretches between crossings, each of at least one vertex; where a path is cut, both sides have a vertex
-    /// on the meridian, interpolated (RFC 7946, section 3.1.9).
+    /// Stretches between crossings, each of at least one vertex; where a path is cut, both sides have a
+    /// vertex on the meridian, interpolated (RFC 7946, section 3.1.9).
     std::size_t size() const { return stretches_.size(); }
     std::size_t vertices(std::size_t stretch) const;
     using Use = std::function<void(const EarthVertex&)>;
@@ -37,8 +37,8 @@ class EarthStretches {
 
  private:
     struct Stretch {
-        std::size_t first = 0, end = 0;           ///< entries of the trajectory
-        std::size_t poses = 0;                    ///< of them, those that are finite
+        std::size_t first = 0, end = 0;            ///< entries of the trajectory
+        std::size_t poses = 0;                     ///< of them, those that are finite
         std::optional<EarthVertex> before, after;  ///< on the meridian
     };
     std::optional<EarthVertex> vertex(std::size_t index) const;

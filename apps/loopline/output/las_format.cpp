@@ -28,8 +28,8 @@ std::pair<std::uint16_t, std::uint16_t> date_of(StampNs stamp_ns) {
     return {static_cast<std::uint16_t>(date.tm_yday + 1), static_cast<std::uint16_t>(date.tm_year + 1900)};
 }
 
-/// Keys of GeoTIFF 1.0 (Ritter and Ruth 2000), each with the place of its value: 0 is the key itself, else the
-/// record of that number.
+/// Keys of GeoTIFF 1.0 (Ritter and Ruth 2000), each with the place of its value: 0 is the key itself, else
+/// the record of that number.
 struct GeoKey {
     std::uint16_t key, place, count, value;
 };

@@ -23,7 +23,7 @@ struct LasCoordinateSystem {
 struct LasHeader {
     StampNs first_ns = 0;  ///< its day is the file's: the same run gives the same bytes
     std::uint32_t points = 0;
-    double unit_m = 1e-4;  ///< of the points' whole numbers
+    double unit_m = 1e-4;                                ///< of the points' whole numbers
     Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< which they count from
     Eigen::Vector3d low_m = Eigen::Vector3d::Zero(), high_m = Eigen::Vector3d::Zero();
     const LasCoordinateSystem* system = nullptr;  ///< null: none

@@ -52,9 +52,11 @@ void write_cloud(const fs::path& folder, const std::string& stem, const mrpt::ma
 }
 
 /// Survey clouds, each under its own name.
-void write_surveys(const fs::path& folder, const Results& results, const std::string& suffix, FileList& list) {
+void write_surveys(const fs::path& folder, const Results& results, const std::string& suffix,
+                   FileList& list) {
     for (const auto& named : results.maps)
-        if (const auto cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(named.map); cloud && named.survey)
+        if (const auto cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(named.map);
+            cloud && named.survey)
             write_cloud(folder, "map." + as_file_name(named.name) + suffix, *cloud, list);
 }
 
@@ -90,8 +92,7 @@ void write_map_files(const fs::path& folder, const Results& results, FileList& l
         write_mrpt_object(folder / (stem + ".gridmap"), *grid);
         list.add(stem + ".gridmap");
     }
-    for (const auto& [stem, points] : point_maps(results))
-        write_cloud(folder, stem, *points, list);
+    for (const auto& [stem, points] : point_maps(results)) write_cloud(folder, stem, *points, list);
     write_surveys(folder, results, "", list);
     for (const auto& [stem, simple_map] : maps_of_kind<CSimpleMap>(results, "map")) {
         const auto [map, left_out] = finite_keyframes(*simple_map);

@@ -13,9 +13,9 @@
 
 namespace loopline {
 
-/// Lines, grids, points, survey clouds and simple maps as `map.NAME.*`; NAME is "lines", "grid" or "points" (and a simple
-/// map is plainly map.simplemap) where the kind has one map, the map's own name where it has several. A
-/// survey cloud always has its own name.
+/// Lines, grids, points, survey clouds and simple maps as `map.NAME.*`; NAME is "lines", "grid" or "points"
+/// (and a simple map is plainly map.simplemap) where the kind has one map, the map's own name where it has
+/// several. A survey cloud always has its own name.
 void write_map_files(const std::filesystem::path& folder, const Results& results, FileList& list);
 
 /// Scan points but survey clouds, each with the stem of its files.

@@ -26,7 +26,8 @@ void write_path_on_earth(const std::filesystem::path& folder, const RunRecord& r
     write_whole_file(folder / "georeference.txt", gnss::georeference_text(gnss::GeoReference(earth)));
     list.add("georeference.txt");
     list.add("trajectory.geojson",
-             write_trajectory_geojson(folder / "trajectory.geojson", path, earth, record.results.fixes), "poses");
+             write_trajectory_geojson(folder / "trajectory.geojson", path, earth, record.results.fixes),
+             "poses");
     list.add("trajectory.kml", write_trajectory_kml(folder / "trajectory.kml", path, earth), "poses");
     if (const auto& other = record.results.uncorrected) {
         const std::string name = "trajectory_" + as_file_name(other->name) + ".tum";

@@ -16,7 +16,8 @@ std::string heights_text(const EarthFrame& earth) {
     if (earth.geoid_separation_m)
         return "Heights are above the geoid: above the WGS84 ellipsoid, less " +
                number_text(*earth.geoid_separation_m) + " m, the receiver's separation at the origin.";
-    return "Heights are above the WGS84 ellipsoid, since the receiver does not say where the geoid is: above the "
+    return "Heights are above the WGS84 ellipsoid, since the receiver does not say where the geoid is: above "
+           "the "
            "sea they are up to 100 m lower or higher.";
 }
 
@@ -74,11 +75,14 @@ std::size_t write_trajectory_kml(const std::filesystem::path& file, const Trajec
     const EarthStretches path(trajectory, gnss::GeoReference(earth), Estimate::latest);
     const double lowered_m = earth.geoid_separation_m.value_or(0);
     OutputFile out(file);
-    out.text("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\" "
-             "xmlns:gx=\"http://www.google.com/kml/ext/2.2\"><Document><name>trajectory</name>\n<description>")
+    out.text(
+           "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\" "
+           "xmlns:gx=\"http://www.google.com/kml/ext/2.2\"><Document><name>trajectory</name>\n<description>")
         .text(heights_text(earth))
-        .text("</description>\n<Style id=\"path\"><LineStyle><color>ffb27200</color><width>3</width></LineStyle>"
-              "</Style>\n");
+        .text(
+            "</description>\n<Style "
+            "id=\"path\"><LineStyle><color>ffb27200</color><width>3</width></LineStyle>"
+            "</Style>\n");
     if (path.size() > 0) {
         add_lines(out, path, lowered_m);
         add_track(out, path, lowered_m);

@@ -14,8 +14,8 @@ namespace {
 constexpr double reach_of_fine_unit_m = 200e3;
 
 LasCoordinateSystem system_of(const gnss::Utm& grid) {
-    return {gnss::epsg_code(grid), "WGS 84 / UTM zone " + std::to_string(grid.zone) + (grid.north ? "N" : "S") +
-                                       "; heights above the ellipsoid"};
+    return {gnss::epsg_code(grid), "WGS 84 / UTM zone " + std::to_string(grid.zone) +
+                                       (grid.north ? "N" : "S") + "; heights above the ellipsoid"};
 }
 
 bool is_finite_point(float x, float y, float z) {
@@ -76,11 +76,13 @@ void write_utm_las(const std::filesystem::path& file, const PointsOnMap& points,
     using Place = Eigen::Array<double, 3, 1>;
     Place low = Place::Constant(INFINITY), high = -low;  // in units
     points.for_each([&](const LasPointOnMap& point) {
-        const Place units = ((on_utm.p_utm_m(point.p_map_m) - header.offset_m).array() / header.unit_m).round();
+        const Place units =
+            ((on_utm.p_utm_m(point.p_map_m) - header.offset_m).array() / header.unit_m).round();
         low = low.min(units);
         high = high.max(units);
-        write_las_point(out, {static_cast<std::int32_t>(units[0]), static_cast<std::int32_t>(units[1]),
-                              static_cast<std::int32_t>(units[2])},
+        write_las_point(out,
+                        {static_cast<std::int32_t>(units[0]), static_cast<std::int32_t>(units[1]),
+                         static_cast<std::int32_t>(units[2])},
                         point.intensity, clock.seconds(point.after_first_s));
     });
     if (points.count > 0)

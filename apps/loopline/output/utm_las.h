@@ -1,4 +1,5 @@
-/// Points of a map that is placed on the Earth, on the UTM grid, as a LAS file that GIS programs know to place.
+/// Points of a map that is placed on the Earth, on the UTM grid, as a LAS file that GIS programs know to
+/// place.
 #pragma once
 
 #include <mrpt/maps/CPointsMap.h>
@@ -37,8 +38,8 @@ std::optional<gnss::Utm> grid_of(const gnss::GeoReference& reference);
 
 /// LAS 1.2 with easting and northing of each point for itself (a map's straight axes are no grid: scale and
 /// convergence of UTM change from place to place), and its height above the ellipsoid. All of it in the zone
-/// and hemisphere of `grid`, as whole numbers of 0.1 mm (of 1 mm where the map reaches farther than 200 km) from
-/// the origin, itself rounded to whole metres. At most most_las_points.
+/// and hemisphere of `grid`, as whole numbers of 0.1 mm (of 1 mm where the map reaches farther than 200 km)
+/// from the origin, itself rounded to whole metres. At most most_las_points.
 void write_utm_las(const std::filesystem::path& file, const PointsOnMap& points,
                    const gnss::GeoReference& reference, const gnss::Utm& grid);
 
