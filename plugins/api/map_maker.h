@@ -2,6 +2,8 @@
 /// the work out, and write the cloud. The host finds it by a cast.
 #pragma once
 
+#include <string>
+
 #include "api/stored_cloud.h"
 
 namespace loopline {
@@ -13,6 +15,8 @@ class MapMaker {
     virtual void leave_out_map() = 0;
     /// Complete after finish(); null if there is none.
     virtual const StoredCloud* cloud() const = 0;
+    /// Label of the poses that carry the cloud, whose frame is its own; empty: those of the run's trajectory.
+    virtual std::string carried_by() const { return {}; }
 };
 
 }  // namespace loopline

@@ -130,7 +130,7 @@ class MapBuilder : public Configurable {
 }  // namespace loopline
 
 /// The contract's version: a plugin built against another one is refused with a sentence.
-#define LOOPLINE_API_VERSION "loopline-api-5"
+#define LOOPLINE_API_VERSION "loopline-api-6"
 
 /// Once in every plugin library, at file scope, outside any namespace.
 #define LOOPLINE_PLUGIN()                                                                         \

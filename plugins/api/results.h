@@ -4,10 +4,12 @@
 #include <mrpt/serialization/CSerializable.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,7 +19,9 @@
 #include "api/earth_frame.h"
 #include "api/line_map.h"
 #include "api/pose2.h"
+#include "api/set_aside.h"
 #include "api/stamp.h"
+#include "api/trajectory.h"
 
 namespace loopline {
 
@@ -102,6 +106,28 @@ class FramePoints {
     std::function<Points(std::size_t)> points_of_;
 };
 
+/// A path beside the result, in the frame of the run's trajectory.
+struct NamedPath {
+    std::string name;  ///< what it is, as a legend has it: "without fixes"
+    std::shared_ptr<const Trajectory> path;
+};
+
+/// A place that a receiver said, and what became of it.
+struct PlacedFix {
+    StampNs stamp_ns = 0;
+    /// Of the antenna, in the frame of the run's trajectory; z is NaN where the receiver says no height.
+    std::array<double, 3> p_map_m{};
+    std::uint64_t fate = 0;  ///< index into PlacedFixes::fates
+};
+
+struct PlacedFixes {
+    const SetAside<PlacedFix>* list = nullptr;  ///< in the order in which they were decided on; outlives this
+    /// The first is that of fixes that were used, the others are reasons why not: "off_the_path".
+    std::vector<std::string> fates;
+
+    bool empty() const { return list == nullptr || list->empty(); }
+};
+
 struct Results {
     std::map<std::string, MetricValue> metrics;  ///< sorted: the same run writes the same bytes
     std::optional<LineMap> line_map;
@@ -109,6 +135,10 @@ struct Results {
     std::vector<LoopDecision> loops;  ///< in the order of the log
     std::optional<PoseGraph> pose_graph;
     std::optional<EarthFrame> earth;  ///< of the run's trajectory, if it is placed
+    std::string earth_by;             ///< name of the module that has placed it; the host's
+    /// The path without what the result owes to the sensor that corrects it, for comparison; if there is such.
+    std::optional<NamedPath> uncorrected;
+    PlacedFixes fixes;
     std::vector<PathCorrection> corrections;  ///< in the order of the log
     /// Of each frame that makes the map: its returns in the vehicle's frame, to draw the map by other poses.
     FramePoints frame_points_base_m;

@@ -29,6 +29,7 @@ class CloudMapModule : public Module, public MapMaker, public TimedPerSweep {
 
     void leave_out_map() override { wanted_ = false; }
     const StoredCloud* cloud() const override { return mapper_ ? &mapper_->cloud() : nullptr; }
+    std::string carried_by() const override { return poses_; }
 
  private:
     template <class Archive>

@@ -72,7 +72,7 @@ void EarthPath::take(PoseNode node) {
 }
 
 void EarthPath::take_fix(const gnss::GnssFix& fix, bool withheld) {
-    if (!fix.is_usable()) return tally(FixUse::no_position);
+    if (!fix.is_usable()) return tally(fix, FixUse::no_position);
     if (!earth_) earth_.emplace(fix.antenna);
     waiting_.push_back({fix, withheld});
     use_waiting();
@@ -148,13 +148,13 @@ void EarthPath::use_waiting() {
 
 void EarthPath::use(const WaitingFix& waiting) {
     const gnss::GnssFix& fix = waiting.fix;
-    if (fix.stamp_ns < first_ns_) return tally(FixUse::before_path);
+    if (fix.stamp_ns < first_ns_) return tally(fix, FixUse::before_path);
     if (waiting.withheld) {
         if (committed_) look_at_withheld(fix);
-        return tally(FixUse::withheld);
+        return tally(fix, FixUse::withheld);
     }
     if (!committed_) return look_for_heading(fix);
-    tally(apply(fix));
+    tally(fix, apply(fix));
     look_ahead();
 }
 
@@ -299,10 +299,10 @@ bool EarthPath::is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m) {
 }
 
 std::vector<PoseOnEarth> EarthPath::finished() {
-    tally(FixUse::after_path, waiting_.size());
+    for (const WaitingFix& waiting : waiting_) tally(waiting.fix, FixUse::after_path);
     waiting_ = {};
     if (!committed_) {
-        tally(FixUse::heading_never_found, early_.size());
+        for (const gnss::GnssFix& fix : early_) tally(fix, FixUse::heading_never_found);
         early_ = {};
         return path_of_odometry();
     }

@@ -34,7 +34,7 @@ void EarthPath::begin(const Pose3& T_enu_odom) {
     const Matrix6d R = turned_both(state_.T_enu_base.rotation);
     state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
     committed_ = 0;
-    for (const gnss::GnssFix& fix : early_) tally(apply(fix));
+    for (const gnss::GnssFix& fix : early_) tally(fix, apply(fix));
     early_ = {};
     start_.clear();
     look_ahead();

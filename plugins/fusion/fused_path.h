@@ -3,7 +3,9 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "fusion/motion.h"
@@ -65,6 +67,10 @@ class FusedPath {
     /// odometry's.
     virtual std::vector<PoseOnEarth> finished() = 0;
 
+    /// Told of every fix when it is known what became of it.
+    using Tell = std::function<void(const gnss::GnssFix&, FixUse)>;
+    void tell_fates_to(Tell tell) { tell_ = std::move(tell); }
+
     /// Local frame of the path on the Earth; none before the first fix.
     const std::optional<gnss::LocalFrame>& earth() const { return earth_; }
     const HeadingFound& heading() const { return heading_; }
@@ -72,7 +78,11 @@ class FusedPath {
     const WheelUse& wheel_use() const { return wheel_use_; }
 
  protected:
-    void tally(FixUse use, std::size_t fixes = 1) { count_[static_cast<std::size_t>(use)] += fixes; }
+    void tally(const gnss::GnssFix& fix, FixUse use) {
+        ++count_[static_cast<std::size_t>(use)];
+        if (tell_) tell_(fix, use);
+    }
+    Tell tell_;
     std::optional<gnss::LocalFrame> earth_;
     HeadingFound heading_;
     std::array<std::size_t, fix_uses> count_{};

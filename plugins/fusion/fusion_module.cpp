@@ -145,7 +145,21 @@ void FusionModule::start(const RunContext& context) {
         error_state_ = path.get();
         path_ = std::move(path);
     }
+    path_->tell_fates_to([this](const gnss::GnssFix& fix, FixUse use) { keep_fix(fix, use); });
     online_.keep_in(context.scratch_folder, "fusion_online");
+    fixes_.keep_in(context.scratch_folder, "fusion_fixes");
+    scratch_folder_ = context.scratch_folder;
+}
+
+void FusionModule::keep_fix(const gnss::GnssFix& fix, FixUse use) {
+    if (use == FixUse::no_position || !path_->earth()) return;
+    gnss::Geodetic antenna = fix.antenna;
+    if (!fix.has_height) antenna.height_m = path_->earth()->origin().height_m;
+    const Eigen::Vector3d p_enu_m = path_->earth()->p_enu_m(antenna);
+    fixes_.push_back({fix.stamp_ns,
+                      {p_enu_m.x(), p_enu_m.y(), fix.has_height ? p_enu_m.z() : NAN},
+                      static_cast<std::uint64_t>(use)});
+    if (!geoid_separation_m_ && fix.geoid_separation_m != 0) geoid_separation_m_ = fix.geoid_separation_m;
 }
 
 void FusionModule::process(const StreamItem& item, Publisher& publisher) {
@@ -186,7 +200,7 @@ void FusionModule::take_pose(const StreamItem& item, const PoseWithCovariance& p
     last_ = pose;
     last_ns_ = item.stamp_ns;
     wheel_path_.forget_before(last_ns_);
-    publish(item, publisher);
+    publish(item, pose.T_map_base, publisher);
 }
 
 void FusionModule::take_wheels(const StreamItem& item, const Pose2& T_odom_base, Publisher& publisher) {
@@ -202,7 +216,7 @@ void FusionModule::take_wheels(const StreamItem& item, const Pose2& T_odom_base,
     if (!motion_label_.empty()) return;
     error_state_->take_wheels(item.stamp_ns, told);
     wheel_path_.forget_before(item.stamp_ns);
-    publish(item, publisher);
+    publish(item, Pose3(T_odom_base), publisher);
 }
 
 void FusionModule::publish_calibrated(const StreamItem& item, const Twist2& told, Publisher& publisher) {
@@ -216,22 +230,23 @@ void FusionModule::publish_calibrated(const StreamItem& item, const Twist2& told
 }
 
 /// What is known at the latest pose.
-void FusionModule::publish(const StreamItem& item, Publisher& publisher) {
+void FusionModule::publish(const StreamItem& item, const Pose3& T_odom_base, Publisher& publisher) {
     const auto& timestamp = item.observation->timestamp;
     if (error_state_ != nullptr) {
         const Motion& motion = error_state_->latest_motion();
-        auto& [T_odom_base, covariance] = fused_odometry_;
-        const Pose3 T_odom_before = T_odom_base;
-        T_odom_base = T_odom_base * motion.T_from_to;
-        const Matrix6d F = carried_along(T_odom_base.translation_m - T_odom_before.translation_m),
-                       R = turned_both(T_odom_before.rotation);
+        auto& [T_fused_base, covariance] = fused_odometry_;
+        const Pose3 T_fused_before = T_fused_base;
+        T_fused_base = T_fused_base * motion.T_from_to;
+        const Matrix6d F = carried_along(T_fused_base.translation_m - T_fused_before.translation_m),
+                       R = turned_both(T_fused_before.rotation);
         covariance = F * covariance * F.transpose() + R * motion.covariance * R.transpose();
-        publisher.publish(pose_observation(odometry_label, timestamp, T_odom_base, covariance));
+        publisher.publish(pose_observation(odometry_label, timestamp, T_fused_base, covariance));
     }
 
     Online online;
     online.sequence = item.sequence;
     online.stamp_ns = item.stamp_ns;
+    online.T_odom_base = Pose3Record(T_odom_base);
     if (const auto now = path_->known()) {
         online.known = true;
         online.T_enu_base = Pose3Record(now->T_enu_base);
@@ -262,6 +277,21 @@ void FusionModule::finish(Results& results) {
     trajectory_.set_known_from(known_from);
     trajectory_.finish_revision();
     report(results);
+    if (results.earth) hand_over_inputs(path.front().T_enu_base, results);
+}
+
+/// What the path was made from, for who wants to compare: the motion alone, from the first pose on, and the
+/// fixes.
+void FusionModule::hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const {
+    const Pose3 T_enu_odom = T_enu_base_first * online_.front().T_odom_base.pose().inverse();
+    auto motion = std::make_shared<Trajectory>();
+    motion->keep_in(scratch_folder_);
+    for (const Online& online : online_)
+        motion->append(online.sequence, online.stamp_ns, T_enu_odom * online.T_odom_base.pose(), {});
+    results.uncorrected = NamedPath{"without fixes", motion};
+    results.fixes.list = &fixes_;
+    for (std::size_t use = 0; use < fix_uses; ++use)
+        results.fixes.fates.push_back(name_of(static_cast<FixUse>(use)));
 }
 
 void FusionModule::report(Results& results) const {
@@ -286,7 +316,8 @@ void FusionModule::report(Results& results) const {
         return;
     }
     const gnss::Geodetic& origin = path_->earth()->origin();
-    results.earth = EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0};
+    results.earth =
+        EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0, geoid_separation_m_};
     metrics["heading_found_way_m"] = path_->heading().way_m;
     metrics["heading_found_sigma_deg"] = path_->heading().sigma_rad * 180 / M_PI;
     if (paper_ != nullptr) metrics["frames_fused"] = static_cast<std::int64_t>(paper_->fused());

@@ -55,16 +55,18 @@ class FusionModule : public Module {
     struct Online {
         std::uint64_t sequence = 0;
         StampNs stamp_ns = 0;
-        Pose3Record T_enu_base;
+        Pose3Record T_enu_base, T_odom_base;
         bool known = false;
     };
     void take_fix(const mrpt::obs::CObservationGPS& gps, StampNs stamp_ns);
     bool is_withheld(StampNs stamp_ns) const;
     void take_pose(const StreamItem& item, const PoseWithCovariance& pose, Publisher& publisher);
     void take_wheels(const StreamItem& item, const Pose2& T_odom_base, Publisher& publisher);
-    void publish(const StreamItem& item, Publisher& publisher);
+    void publish(const StreamItem& item, const Pose3& T_odom_base, Publisher& publisher);
     void publish_calibrated(const StreamItem& item, const Twist2& told, Publisher& publisher);
+    void keep_fix(const gnss::GnssFix& fix, fusion::FixUse use);
     void report(Results& results) const;
+    void hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const;
     void report_wheels(Results& results) const;
     void report_gaps(Results& results) const;
 
@@ -87,6 +89,9 @@ class FusionModule : public Module {
     PoseWithCovariance fused_odometry_;
     ObservationPool<mrpt::obs::CObservationOdometry> calibrated_pool_;
     SetAside<Online> online_;
+    SetAside<PlacedFix> fixes_;                 ///< all with a place, as their fate was known
+    std::optional<double> geoid_separation_m_;  ///< of the first of them
+    std::filesystem::path scratch_folder_;
     std::int64_t backwards_ = 0;
 
     Trajectory trajectory_;  ///< laid out at the end

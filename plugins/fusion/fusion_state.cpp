@@ -133,7 +133,7 @@ void fields(Archive& archive, FusionModule& m) {
     if (m.paper_ != nullptr) archive(*m.paper_);
     if (m.error_state_ != nullptr) archive(*m.error_state_);
     archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
-            m.fused_odometry_, m.online_, m.backwards_);
+            m.fused_odometry_, m.online_, m.backwards_, m.fixes_, m.geoid_separation_m_);
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {

@@ -39,8 +39,8 @@ void PaperPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matr
 }
 
 void PaperPath::take_fix(const gnss::GnssFix& fix, bool withheld) {
-    if (!fix.is_usable()) return tally(FixUse::no_position);
-    if (withheld) return tally(FixUse::withheld);
+    if (!fix.is_usable()) return tally(fix, FixUse::no_position);
+    if (withheld) return tally(fix, FixUse::withheld);
     if (!earth_) earth_.emplace(fix.antenna);
     if (frames_.empty() || fix.stamp_ns > frames_.back().stamp_ns)
         waiting_.push_back(fix);
@@ -49,18 +49,18 @@ void PaperPath::take_fix(const gnss::GnssFix& fix, bool withheld) {
 }
 
 void PaperPath::use(const gnss::GnssFix& fix) {
-    if (fix.stamp_ns < first_ns_) return tally(FixUse::before_path);
+    if (fix.stamp_ns < first_ns_) return tally(fix, FixUse::before_path);
     if (!begun_) return look_for_heading(fix);
-    if (fix.stamp_ns < frames_.front().stamp_ns) return tally(FixUse::late);
+    if (fix.stamp_ns < frames_.front().stamp_ns) return tally(fix, FixUse::late);
     const bool own_time = settings_.sync == Sync::interpolate;
     settle_before(fix.stamp_ns - (own_time ? 0 : std::llround(1e9 * settings_.sync_s)));
-    if (frames_.size() < 2) return tally(FixUse::late);
+    if (frames_.size() < 2) return tally(fix, FixUse::late);
     const double to_next_s = seconds_between(fix.stamp_ns, frames_[1].stamp_ns);
     const bool in_time = own_time || std::abs(to_next_s) <= settings_.sync_s;
     const bool complete = frames_[1].wheels.has_value() || !settings_.wheels_are_there;
-    if (!in_time || !complete) return tally(FixUse::out_of_sync);
+    if (!in_time || !complete) return tally(fix, FixUse::out_of_sync);
     settle_next(&fix);
-    tally(FixUse::used);
+    tally(fix, FixUse::used);
     ++fused_;
     look_ahead();
 }
@@ -132,14 +132,14 @@ Pose3 PaperPath::T_odom_at(StampNs stamp_ns) const {
 /// The paper starts by hand or on the axes of the grid; here as the other filter does (row C11), at the frame
 /// at which that is known.
 void PaperPath::look_for_heading(const gnss::GnssFix& fix) {
-    ++early_;
+    early_.push_back(fix);
     const auto found = start_.see(
         seconds_between(first_ns_, fix.stamp_ns), T_odom_at(fix.stamp_ns) * fix.p_base_antenna_m,
         earth_->p_enu_m(fix.antenna), sigma_of(fix, settings_.noise), {settings_.heading_sigma_rad});
     if (!found) return;
     heading_ = {way_m_, found->sigma_rad};
-    tally(FixUse::used, early_);
-    early_ = 0;
+    for (const gnss::GnssFix& early : early_) tally(early, FixUse::used);
+    early_ = {};
     start_.clear();
     begun_ = true;
     Vector6d sigma = sigmas(1, settings_.heading_sigma_rad);
@@ -165,10 +165,10 @@ void PaperPath::set_aside(const PoseOnEarth& pose) {
 }
 
 std::vector<PoseOnEarth> PaperPath::finished() {
-    tally(FixUse::after_path, waiting_.size());
-    waiting_.clear();
-    tally(FixUse::heading_never_found, early_);
-    early_ = 0;
+    for (const gnss::GnssFix& fix : waiting_) tally(fix, FixUse::after_path);
+    for (const gnss::GnssFix& fix : early_) tally(fix, FixUse::heading_never_found);
+    waiting_ = {};
+    early_ = {};
     std::vector<PoseOnEarth> path;
     if (!begun_) {
         for (const Frame& frame : frames_) path.push_back({frame.T_odom_base});

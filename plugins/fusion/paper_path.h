@@ -81,7 +81,7 @@ class PaperPath : public FusedPath {
     double way_m_ = 0;
     std::deque<gnss::GnssFix> waiting_;
     HeadingStart start_;
-    std::size_t early_ = 0;  ///< fixes from before the heading was known
+    std::vector<gnss::GnssFix> early_;  ///< from before the heading was known
     bool begun_ = false;
     Step step_, ahead_;
     std::uint64_t fused_ = 0;

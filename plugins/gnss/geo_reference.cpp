@@ -49,18 +49,26 @@ Pose3 T_between(const GeoReference& to, const GeoReference& from) {
 std::string georeference_text(const GeoReference& reference) {
     const Geodetic& origin = reference.origin();
     std::string text =
-        "# The origin of the map on WGS84; the height is above the ellipsoid, the heading is that of the "
-        "map's x\n"
-        "# axis, counter-clockwise from east.\n"
+        "# The origin of the map on WGS84 (EPSG:4979); the height is above the ellipsoid. The map's z axis "
+        "points up, along\n"
+        "# the ellipsoid's normal at the origin, its x axis lies in the horizon there: the heading is its "
+        "direction, counter-\n"
+        "# clockwise from east. Its axes are straight, in metres, so that it is no grid of a projection.\n"
         "latitude_deg = " +
         number_text(origin.latitude_deg) + "\nlongitude_deg = " + number_text(origin.longitude_deg) +
         "\nheight_m = " + number_text(origin.height_m) +
         "\nheading_deg = " + number_text(reference.heading_deg()) + "\n";
     if (const auto utm = to_utm(origin))
-        text += "# UTM zone " + std::to_string(utm->zone) + (utm->north ? " north" : " south") + ": east " +
-                number_text(utm->easting_m) + " m, north " + number_text(utm->northing_m) +
-                " m; grid north lies " + number_text(utm->convergence_rad / rad_per_deg) +
-                " deg clockwise from true north, the scale is " + number_text(utm->scale) + "\n";
+        text +=
+            "# The same origin on the UTM grid, zone " + std::to_string(utm->zone) +
+            (utm->north ? " north" : " south") +
+            ", which follows from the above: the convergence is that of grid\n# north, clockwise from true "
+            "north, the scale a length on the grid by that on the ellipsoid.\nutm_epsg = " +
+            std::to_string(epsg_code(*utm)) + "\nutm_zone = " + std::to_string(utm->zone) +
+            "\nutm_easting_m = " + number_text(utm->easting_m) +
+            "\nutm_northing_m = " + number_text(utm->northing_m) +
+            "\nutm_convergence_deg = " + number_text(utm->convergence_rad / rad_per_deg) +
+            "\nutm_scale = " + number_text(utm->scale) + "\n";
     return text;
 }
 
@@ -85,6 +93,9 @@ GeoReference georeference_from_text(const std::string& text, const std::string& 
     origin.latitude_deg = taken(values, "latitude_deg", 90, name);
     origin.longitude_deg = taken(values, "longitude_deg", 360, name);
     origin.height_m = taken(values, "height_m", most_height_m, name);
+    for (const char* derived :
+         {"utm_epsg", "utm_zone", "utm_easting_m", "utm_northing_m", "utm_convergence_deg", "utm_scale"})
+        values.erase(derived);  // the origin tells them
     const double heading_deg = values.count("heading_deg") > 0 ? taken(values, "heading_deg", 360, name) : 0;
     if (!values.empty())
         throw std::runtime_error(name + " has the key " + values.begin()->first +

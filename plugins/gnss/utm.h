@@ -16,6 +16,11 @@ struct Utm {
     double scale = 1;            ///< length on the grid by length on the ellipsoid
 };
 
+/// Of WGS 84 / UTM zone N in the EPSG's registry: 32601 .. 32660, in the south 32701 .. 32760.
+inline int epsg_code(const Utm& utm) {
+    return (utm.north ? 32600 : 32700) + utm.zone;
+}
+
 /// The zone of a place, with the exceptions of Norway (32V) and Svalbard (31X .. 37X). None beyond 84 degrees
 /// north and 80 south, where UTM ends.
 std::optional<int> utm_zone(double latitude_deg, double longitude_deg);

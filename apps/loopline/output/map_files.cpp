@@ -5,13 +5,13 @@
 #include <mrpt/maps/CSimpleMap.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "output/file_name.h"
 #include "output/g2o.h"
 #include "output/line_map_csv.h"
 #include "output/line_map_geojson.h"
@@ -24,13 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using mrpt::maps::CSimpleMap;
-
-/// Letters, digits, "-" and "_" stay; a name can't lead out of the folder.
-std::string as_file_name(std::string name) {
-    for (char& c : name)
-        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
-    return name.empty() ? "unnamed" : name;
-}
 
 /// The maps of one class with the stem of their files: `only` for a single one, else "map.NAME", numbered if
 /// two have the same name.
@@ -59,9 +52,11 @@ void write_cloud(const fs::path& folder, const std::string& stem, const mrpt::ma
 }
 
 /// Survey clouds, each under its own name.
-void write_surveys(const fs::path& folder, const Results& results, const std::string& suffix, FileList& list) {
+void write_surveys(const fs::path& folder, const Results& results, const std::string& suffix,
+                   FileList& list) {
     for (const auto& named : results.maps)
-        if (const auto cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(named.map); cloud && named.survey)
+        if (const auto cloud = std::dynamic_pointer_cast<mrpt::maps::CPointsMap>(named.map);
+            cloud && named.survey)
             write_cloud(folder, "map." + as_file_name(named.name) + suffix, *cloud, list);
 }
 
@@ -97,8 +92,7 @@ void write_map_files(const fs::path& folder, const Results& results, FileList& l
         write_mrpt_object(folder / (stem + ".gridmap"), *grid);
         list.add(stem + ".gridmap");
     }
-    for (const auto& [stem, points] : maps_of_kind<mrpt::maps::CPointsMap>(results, "map.points"))
-        write_cloud(folder, stem, *points, list);
+    for (const auto& [stem, points] : point_maps(results)) write_cloud(folder, stem, *points, list);
     write_surveys(folder, results, "", list);
     for (const auto& [stem, simple_map] : maps_of_kind<CSimpleMap>(results, "map")) {
         const auto [map, left_out] = finite_keyframes(*simple_map);
@@ -108,6 +102,10 @@ void write_map_files(const fs::path& folder, const Results& results, FileList& l
     if (results.pose_graph && !results.pose_graph->poses.empty())
         list.add("pose_graph.g2o", write_g2o(folder / "pose_graph.g2o", *results.pose_graph),
                  "poses and constraints");
+}
+
+std::vector<std::pair<std::string, mrpt::maps::CPointsMap::Ptr>> point_maps(const Results& results) {
+    return maps_of_kind<mrpt::maps::CPointsMap>(results, "map.points");
 }
 
 void write_odometry_points(const fs::path& folder, const Results& odometry_results, FileList& list) {

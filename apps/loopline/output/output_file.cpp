@@ -112,6 +112,19 @@ OutputFile& OutputFile::seconds(StampNs stamp_ns) {
     return *this;
 }
 
+void OutputFile::overwrite(std::size_t offset, const void* data, std::size_t size) {
+    flush();
+    const char* from = static_cast<const char*>(data);
+    while (size > 0) {
+        const ssize_t written = ::pwrite(descriptor_, from, size, static_cast<off_t>(offset));
+        if (written < 0 && errno != EINTR) fail(errno);
+        const auto done = static_cast<std::size_t>(std::max<ssize_t>(written, 0));
+        from += done;
+        offset += done;
+        size -= done;
+    }
+}
+
 void OutputFile::commit() {
     flush();
     const int descriptor = descriptor_;

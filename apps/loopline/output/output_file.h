@@ -46,6 +46,9 @@ class OutputFile {
     /// Seconds with nine decimals, all of them from the integer.
     OutputFile& seconds(StampNs stamp_ns);
 
+    /// Puts other bytes in place of some that were given before: what only the end of a file tells.
+    void overwrite(std::size_t offset, const void* data, std::size_t size);
+
     /// Writes what is left, closes and renames.
     void commit();
 

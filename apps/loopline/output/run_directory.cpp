@@ -5,15 +5,35 @@
 #include "gnss/geo_reference.h"
 #include "output/covariance_csv.h"
 #include "output/feature_points_files.h"
+#include "output/file_name.h"
 #include "output/kitti_poses.h"
+#include "output/las_format.h"
 #include "output/manifest_json.h"
 #include "output/map_files.h"
 #include "output/output_file.h"
 #include "output/stored_cloud_files.h"
+#include "output/trajectory_geojson.h"
+#include "output/trajectory_kml.h"
 #include "output/tum.h"
+#include "output/utm_las.h"
 
 namespace loopline {
 namespace {
+
+void write_path_on_earth(const std::filesystem::path& folder, const RunRecord& record, FileList& list) {
+    const EarthFrame& earth = *record.results.earth;
+    const Trajectory& path = *record.trajectory;
+    write_whole_file(folder / "georeference.txt", gnss::georeference_text(gnss::GeoReference(earth)));
+    list.add("georeference.txt");
+    list.add("trajectory.geojson",
+             write_trajectory_geojson(folder / "trajectory.geojson", path, earth, record.results.fixes),
+             "poses");
+    list.add("trajectory.kml", write_trajectory_kml(folder / "trajectory.kml", path, earth), "poses");
+    if (const auto& other = record.results.uncorrected) {
+        const std::string name = "trajectory_" + as_file_name(other->name) + ".tum";
+        list.add(name, write_tum(folder / name, *other->path, Estimate::latest), "poses");
+    }
+}
 
 void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, FileList& list) {
     const auto tum = [&](const char* name, const Trajectory& trajectory, Estimate estimate) {
@@ -24,11 +44,7 @@ void write_trajectories(const std::filesystem::path& folder, const RunRecord& re
         tum("trajectory_online.tum", *record.trajectory, Estimate::online);
         list.add("trajectory.kitti", write_kitti_poses(folder / "trajectory.kitti", *record.trajectory),
                  "poses");
-        if (record.results.earth) {
-            write_whole_file(folder / "georeference.txt",
-                             gnss::georeference_text(gnss::GeoReference(*record.results.earth)));
-            list.add("georeference.txt");
-        }
+        if (record.results.earth) write_path_on_earth(folder, record, list);
         list.add("covariance.csv", write_covariance_csv(folder / "covariance.csv", *record.trajectory),
                  "covariances");
     }
@@ -45,6 +61,34 @@ void write_stored_cloud(const std::filesystem::path& folder, const StoredCloud& 
         list.add("map.cloud.las");
     } else {
         list.warnings.push_back("map.cloud.las is not written: its format ends at 4,294,967,295 points");
+    }
+}
+
+/// On the grid of maps, what lies in the frame of a trajectory that is placed.
+void write_points_on_utm(const std::filesystem::path& folder, const RunRecord& record, FileList& list) {
+    if (!record.results.earth) return;
+    const gnss::GeoReference reference(*record.results.earth);
+    std::vector<std::pair<std::string, PointsOnMap>> clouds;
+    if (record.cloud != nullptr && record.cloud_on_trajectory)
+        clouds.emplace_back("map.cloud", points_on_map(*record.cloud));
+    for (const auto& [stem, points] : point_maps(record.results))
+        clouds.emplace_back(stem, points_on_map(*points, record.first_stamp_ns));
+    if (clouds.empty()) return;
+    const auto grid = grid_of(reference);
+    if (!grid) {
+        list.warnings.push_back(
+            "the map is not written on the UTM grid, which ends at 84 degrees north and 80 degrees south; "
+            "georeference.txt places its local coordinates");
+        return;
+    }
+    for (const auto& [stem, points] : clouds) {
+        const std::string file = stem + "_utm.las";
+        if (points.count > most_las_points) {
+            list.warnings.push_back(file + " is not written: its format ends at 4,294,967,295 points");
+            continue;
+        }
+        write_utm_las(folder / file, points, reference, *grid);
+        list.add(file);
     }
 }
 
@@ -95,6 +139,7 @@ void write_run_directory(const std::filesystem::path& folder, const RunRecord& r
         write_map_files(folder, record.results, list);
         write_odometry_points(folder, record.odometry_results, list);
         if (record.cloud != nullptr) write_stored_cloud(folder, *record.cloud, list);
+        write_points_on_utm(folder, record, list);
     }
     write_whole_file(folder / "config.ini", record.effective_ini);
     list.add("config.ini");

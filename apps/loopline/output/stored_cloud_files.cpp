@@ -1,35 +1,13 @@
 #include "output/stored_cloud_files.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <ctime>
 
+#include "output/binary_row.h"
+#include "output/las_format.h"
 #include "output/output_file.h"
 
 namespace loopline {
 namespace {
-
-static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "swap the bytes here on a big-endian machine");
-
-/// Numbers one behind the other, as they lie in a file.
-class Row {
- public:
-    template <class T>
-    Row& add(T value) {
-        std::memcpy(bytes_ + size_, &value, sizeof value);
-        size_ += sizeof value;
-        return *this;
-    }
-    void write(OutputFile& out) {
-        out.bytes(bytes_, size_);
-        size_ = 0;
-    }
-
- private:
-    char bytes_[64];
-    std::size_t size_ = 0;
-};
 
 bool needs_double(const StoredCloud& cloud) {
     constexpr double float_reach_m = 4096;  // beyond, neighbouring floats are half a millimetre apart
@@ -42,7 +20,7 @@ bool needs_double(const StoredCloud& cloud) {
 
 void write_rows(OutputFile& out, const StoredCloud& cloud) {
     const bool as_double = needs_double(cloud);
-    Row row;
+    BinaryRow row;
     cloud.points().for_each(0, cloud.points().size(), [&](const CloudPoint& point) {
         for (const std::int32_t x : point.place) {
             if (as_double)
@@ -56,60 +34,7 @@ void write_rows(OutputFile& out, const StoredCloud& cloud) {
     });
 }
 
-constexpr std::int64_t ns_in_s = 1'000'000'000;
-constexpr std::int64_t gps_epoch_s = 315'964'800;  ///< 1980-01-06, of UTC
-
-void write_text(OutputFile& out, const char* text, std::size_t width) {
-    std::string padded(text);
-    padded.resize(width, '\0');
-    out.text(padded);
-}
-
-/// Day of the year from 1, and year, of a stamp: the file says nothing of when it was written, so that the
-/// same run gives the same bytes.
-std::pair<std::uint16_t, std::uint16_t> date_of(StampNs stamp_ns) {
-    const std::time_t seconds = stamp_ns / ns_in_s;
-    std::tm date{};
-    gmtime_r(&seconds, &date);
-    return {static_cast<std::uint16_t>(date.tm_yday + 1), static_cast<std::uint16_t>(date.tm_year + 1900)};
-}
-
-constexpr std::uint16_t las_header_bytes = 227, las_point_bytes = 28;
-
-void write_las_header(OutputFile& out, const StoredCloud& cloud) {
-    const auto points = static_cast<std::uint32_t>(cloud.points().size());
-    const auto [day, year] = date_of(cloud.first_ns);
-    Row row;
-    out.text("LASF");
-    row.add(std::uint16_t{0}).add(std::uint16_t{1}).write(out);  // source; time is GPS time less 1e9 s
-    write_text(out, "", 16);                                     // project
-    row.add(std::uint8_t{1}).add(std::uint8_t{2}).write(out);
-    write_text(out, "EXTRACTION", 32);
-    write_text(out, "Loopline", 32);
-    row.add(day).add(year).add(las_header_bytes).add(std::uint32_t{las_header_bytes}).add(std::uint32_t{0});
-    row.add(std::uint8_t{1}).add(las_point_bytes).add(points).write(out);
-    row.add(points).write(out);  // by number of return: each is the first of one
-    for (int i = 1; i < 5; ++i) row.add(std::uint32_t{0}).write(out);
-    for (int axis = 0; axis < 3; ++axis) row.add(CloudPoint::unit_m).write(out);
-    for (int axis = 0; axis < 3; ++axis) row.add(0.0).write(out);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const bool none = cloud.points().empty();
-        row.add(none ? 0.0 : cloud.high()[axis] * CloudPoint::unit_m);
-        row.add(none ? 0.0 : cloud.low()[axis] * CloudPoint::unit_m).write(out);
-    }
-}
-
 }  // namespace
-
-int gps_ahead_of_utc_s(StampNs stamp_ns) {
-    // Of each leap second, the first UTC second after it (IERS Bulletin C).
-    constexpr std::int64_t after_s[] = {362793600,  394329600,  425865600, 489024000,  567993600,
-                                        631152000,  662688000,  709948800, 741484800,  773020800,
-                                        820454400,  867715200,  915148800, 1136073600, 1230768000,
-                                        1341100800, 1435708800, 1483228800};
-    const std::int64_t utc_s = stamp_ns / ns_in_s;
-    return static_cast<int>(std::upper_bound(std::begin(after_s), std::end(after_s), utc_s) - after_s);
-}
 
 void write_ply(const std::filesystem::path& file, const StoredCloud& cloud) {
     OutputFile out(file);
@@ -141,17 +66,19 @@ void write_pcd(const std::filesystem::path& file, const StoredCloud& cloud) {
 
 void write_las(const std::filesystem::path& file, const StoredCloud& cloud) {
     OutputFile out(file);
-    write_las_header(out, cloud);
-    const std::int64_t first_s = cloud.first_ns / ns_in_s;
-    const double seconds_of_first =
-        static_cast<double>(first_s - gps_epoch_s + gps_ahead_of_utc_s(cloud.first_ns) - 1'000'000'000) +
-        1e-9 * static_cast<double>(cloud.first_ns - first_s * ns_in_s);
-    Row row;
+    LasHeader header;
+    header.first_ns = cloud.first_ns;
+    header.points = static_cast<std::uint32_t>(cloud.points().size());
+    header.unit_m = CloudPoint::unit_m;
+    if (!cloud.points().empty())
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            header.low_m[static_cast<int>(axis)] = cloud.low()[axis] * CloudPoint::unit_m;
+            header.high_m[static_cast<int>(axis)] = cloud.high()[axis] * CloudPoint::unit_m;
+        }
+    write_las_header(out, header);
+    const LasClock clock(cloud.first_ns);
     cloud.points().for_each(0, cloud.points().size(), [&](const CloudPoint& point) {
-        for (const std::int32_t x : point.place) row.add(x);
-        row.add(point.intensity).add(std::uint8_t{0b001'001});  // the first return of one
-        row.add(std::uint8_t{0}).add(std::int8_t{0}).add(std::uint8_t{0}).add(std::uint16_t{0});
-        row.add(seconds_of_first + point.time_s()).write(out);
+        write_las_point(out, point.place, point.intensity, clock.seconds(point.time_s()));
     });
     out.commit();
 }

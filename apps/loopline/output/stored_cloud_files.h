@@ -1,7 +1,6 @@
 /// Clouds that may be larger than memory, as PLY, PCD and LAS files.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 
 #include "api/stored_cloud.h"
@@ -14,13 +13,8 @@ namespace loopline {
 void write_ply(const std::filesystem::path& file, const StoredCloud& cloud);
 void write_pcd(const std::filesystem::path& file, const StoredCloud& cloud);
 
-/// LAS 1.2, point format 1: whole numbers of 0.1 mm, intensity, and GPS time less 1e9 s. (ASPRS, LAS
-/// specification version 1.2, 2008.)
+/// LAS in the map frame, without a coordinate system: whole numbers of 0.1 mm, intensity, and GPS time less
+/// 1e9 s. At most most_las_points.
 void write_las(const std::filesystem::path& file, const StoredCloud& cloud);
-constexpr std::size_t most_las_points = 4'294'967'295;
-
-/// What GPS time is ahead of UTC then, in whole seconds: leap seconds since 1980, known up to 2017, when the
-/// last one was put in.
-int gps_ahead_of_utc_s(StampNs stamp_ns);
 
 }  // namespace loopline

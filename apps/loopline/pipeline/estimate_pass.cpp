@@ -71,12 +71,23 @@ void choose_trajectories(const Experiment& experiment, RunRecord& record) {
         const Trajectory* trajectory = module->trajectory();
         if (name == "odometry") record.odometry = trajectory;
         const bool wanted = experiment.run.trajectory.empty() || name == experiment.run.trajectory;
-        if (wanted && trajectory != nullptr) record.trajectory = trajectory;
+        if (!wanted || trajectory == nullptr) continue;
+        record.trajectory = trajectory;
+        record.trajectory_of = name;
     }
     if (record.trajectory == nullptr && !experiment.run.trajectory.empty())
         throw CommandError(exit_configuration, experiment.config_path + ": [run] trajectory names " +
                                                    experiment.run.trajectory +
                                                    ", a module that estimates no path");
+}
+
+/// What a module says of its own path on the Earth holds for no other.
+void keep_place_of_trajectory(RunRecord& record) {
+    Results& results = record.results;
+    if (!results.earth || results.earth_by == record.trajectory_of) return;
+    results.earth.reset();
+    results.uncorrected.reset();
+    results.fixes = {};
 }
 
 /// Maps that nobody will see are not made.
@@ -89,8 +100,10 @@ void leave_out_maps(const RunSetup& setup) {
 void choose_cloud(const Experiment& experiment, RunRecord& record) {
     for (const auto& module : experiment.modules)
         if (const auto* maker = dynamic_cast<const MapMaker*>(module.get()))
-            if (const StoredCloud* cloud = maker->cloud(); cloud != nullptr && !cloud->points().empty())
+            if (const StoredCloud* cloud = maker->cloud(); cloud != nullptr && !cloud->points().empty()) {
                 record.cloud = cloud;
+                record.cloud_on_trajectory = maker->carried_by() == record.trajectory_of;
+            }
 }
 
 void record_input(const RunSetup& setup, const LogSource& source, const std::vector<LogIdentity>& logs,
@@ -208,6 +221,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     if (fix_errors) record.results.metrics.merge(fix_errors->metrics());
 
     choose_trajectories(experiment, record);
+    keep_place_of_trajectory(record);
     choose_cloud(experiment, record);
     record_input(setup, source, checkpoints.logs(), record);
     record.earlier_wall_s = checkpoints.earlier_wall_s();

@@ -89,8 +89,10 @@ void map_pass(const RunSetup& setup, const Attempt& attempt, std::uint64_t items
         drawing.builder->finish(*drawing.results);
         if (drawing.timing != nullptr) drawing.timing->finish_ms += milliseconds_since(start);
         const auto* maker = dynamic_cast<const MapMaker*>(drawing.builder.get());
-        if (maker != nullptr && maker->cloud() != nullptr && !maker->cloud()->points().empty())
+        if (maker != nullptr && maker->cloud() != nullptr && !maker->cloud()->points().empty()) {
             record.cloud = maker->cloud();  // rather than that by the poses of the time
+            record.cloud_on_trajectory = maker->carried_by().empty();
+        }
     }
 }
 

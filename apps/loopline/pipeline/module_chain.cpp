@@ -133,7 +133,9 @@ void ModuleChain::finish(Results& results) {
         if (state_ != nullptr)
             state_->enter(WorkerState::Stage::module, static_cast<int>(i), WorkerState::at_the_end);
         const auto start = Clock::now();
+        const bool placed_before = results.earth.has_value();
         modules_[i]->finish(results);
+        if (!placed_before && results.earth) results.earth_by = modules_[i]->info().name;
         finish_ms_[i] += milliseconds_since(start);
     }
     if (state_ != nullptr) state_->stage.store(WorkerState::Stage::idle, std::memory_order_relaxed);

@@ -53,6 +53,9 @@ void draw(const RunSetup& setup, const RunRecord& record) {
     add_to_manifest(setup.folder,
                     relative_to(setup.folder, write_correction_pictures(record.results, record.first_stamp_ns,
                                                                         title, setup.folder / "snapshots")));
+    add_to_manifest(setup.folder,
+                    relative_to(setup.folder, write_earth_pictures(record, setup.reference.get(), content,
+                                                                   setup.folder / "snapshots")));
     if (!outputs.maps) return;
     write_3d_scene(content, setup.folder / "map.3Dscene");
     add_to_manifest(setup.folder, {"map.3Dscene"});

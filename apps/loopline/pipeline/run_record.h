@@ -49,8 +49,10 @@ struct RunRecord {
     double earlier_wall_s = 0, earlier_cpu_s = 0;  ///< until the checkpoint that this run went on from
 
     const Trajectory* trajectory = nullptr;  ///< the result; null if no module estimates one
+    std::string trajectory_of;               ///< name of the module that estimates it
     const Trajectory* odometry = nullptr;    ///< dead reckoning; null if there is none
     const StoredCloud* cloud = nullptr;      ///< what a module made; null if none does
+    bool cloud_on_trajectory = false;        ///< it lies in the frame of `trajectory`
     Results results;                         ///< maps from the final poses, metrics of the modules
     Results odometry_results;                ///< the same maps from dead reckoning, for "before" pictures
     std::map<std::string, ModuleTiming> modules;

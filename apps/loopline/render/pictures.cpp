@@ -5,6 +5,7 @@
 #include "commands/command.h"
 #include "output/output_file.h"
 #include "render/cloud_views.h"
+#include "render/earth_views.h"
 #include "render/picture_file.h"
 #include "render/plan_views.h"
 #include "render/render.h"
@@ -75,6 +76,25 @@ std::vector<std::filesystem::path> write_snapshots(const SceneContent& content,
             std::cerr << "loopline: " << error.what() << '\n';
         }
     }
+    return files;
+}
+
+std::vector<std::filesystem::path> write_earth_pictures(const RunRecord& record,
+                                                        const EvaluationReference* reference,
+                                                        const SceneContent& map,
+                                                        const std::filesystem::path& folder) {
+    constexpr PictureSize plan{1280, 1040}, heights{1280, 560}, errors{1280, 1200};
+    std::vector<std::filesystem::path> files;
+    const auto content = earth_content(record, reference, map.title);
+    if (!content) return files;
+    const auto write = [&](const char* name, const cv::Mat& picture) {
+        files.push_back(folder / name);
+        write_png(picture, files.back());
+    };
+    std::filesystem::create_directories(folder);
+    write("earth_plan.png", draw_earth_plan(*content, map, plan));
+    write("earth_height.png", draw_earth_heights(*content, heights));
+    if (content->has_truth) write("earth_error.png", draw_earth_errors(*content, errors));
     return files;
 }
 

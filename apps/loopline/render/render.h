@@ -38,6 +38,16 @@ std::vector<std::filesystem::path> write_correction_pictures(const Results& resu
                                                              const std::filesystem::path& folder);
 inline constexpr std::size_t most_correction_pictures = 12;
 
+struct RunRecord;
+struct EvaluationReference;
+/// earth_plan.png and earth_height.png of a run whose path is on the Earth and has one to compare with, and
+/// earth_error.png if the truth's place there is known (`reference` may be null); `map` is what lies below.
+/// Returns the files.
+std::vector<std::filesystem::path> write_earth_pictures(const RunRecord& record,
+                                                        const EvaluationReference* reference,
+                                                        const SceneContent& map,
+                                                        const std::filesystem::path& folder);
+
 /// MRPT's .3Dscene of the same content.
 void write_3d_scene(const SceneContent& content, const std::filesystem::path& file);
 

@@ -60,6 +60,9 @@ SceneContent scene_from_record(const RunRecord& record, const std::string& title
     add_points(record.odometry_results, content.points_odometry_m);
     content.surveys = surveys_of(record);
     if (record.cloud != nullptr) content.cloud = std::make_shared<PointsOfCloud>(*record.cloud);
+    // A path on the Earth is not to be seen over a cloud that is not.
+    if (record.cloud != nullptr && record.results.earth && !record.cloud_on_trajectory)
+        content.estimated_path.clear();
     for (const auto& named : record.results.maps)
         if (!content.grid)
             content.grid = std::dynamic_pointer_cast<mrpt::maps::COccupancyGridMap2D>(named.map);

@@ -29,6 +29,9 @@ std::string caption_of(const RunFiles& run, const std::string& stem) {
     if (stem == "survey_top") return "The survey cloud from above, by dead reckoning and by corrected poses";
     if (stem == "survey_axonometric")
         return "The survey cloud from aside, by dead reckoning and by corrected poses";
+    if (stem == "earth_plan") return "The path on the Earth, with and without the fixes of the receiver";
+    if (stem == "earth_height") return "Its height over the way";
+    if (stem == "earth_error") return "Its errors, in bands of three standard deviations";
     if (stem == "follow") return "Behind the vehicle at its last pose";
     std::string text = stem;
     std::replace(text.begin(), text.end(), '_', ' ');
@@ -48,13 +51,15 @@ std::string pictures_section(const RunFiles& run) {
         if (is_snapshot(file.path) && !correction_number(file.path)) paths.push_back(file.path);
     const auto rank = [](const std::string& path) {
         const char* order[] = {"snapshots/top.png", "snapshots/before_after.png", "snapshots/axonometric.png",
-                               "snapshots/survey_top.png", "snapshots/survey_axonometric.png"};
+                               "snapshots/survey_top.png", "snapshots/survey_axonometric.png",
+                               "snapshots/earth_plan.png", "snapshots/earth_height.png",
+                               "snapshots/earth_error.png"};
         return std::find(std::begin(order), std::end(order), path) - std::begin(order);
     };
     std::stable_sort(paths.begin(), paths.end(),
                      [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
     std::string figures;
-    constexpr std::size_t most_pictures = 6;
+    constexpr std::size_t most_pictures = 8;
     for (std::size_t i = 0; i < paths.size() && i < most_pictures; ++i) figures += figure_of(run, paths[i]);
     return figures.empty() ? ""
                            : "<h2>Pictures</h2>\n<section class=\"pictures\">\n" + figures + "</section>\n";
