@@ -14,6 +14,7 @@ EarthState moved_by(const EarthState& state, const StateVector& error) {
     moved.T_enu_base.rotation = (exp_so3(error.segment<3>(3)) * state.T_enu_base.rotation).normalized();
     moved.fix_error_m += error.segment<3>(fix_errors_at);
     moved.wheel_errors += error.segment<3>(wheel_errors_at);
+    moved.antenna_off_m += error.segment<3>(antenna_at);
     return moved;
 }
 
@@ -21,7 +22,8 @@ StateVector difference(const EarthState& to, const EarthState& from) {
     StateVector error;
     error << to.T_enu_base.translation_m - from.T_enu_base.translation_m,
         log_so3(to.T_enu_base.rotation * from.T_enu_base.rotation.conjugate()),
-        to.fix_error_m - from.fix_error_m, to.wheel_errors - from.wheel_errors;
+        to.fix_error_m - from.fix_error_m, to.wheel_errors - from.wheel_errors,
+        to.antenna_off_m - from.antenna_off_m;
     return error;
 }
 
@@ -121,11 +123,12 @@ Carried with_new_fix_error(const EarthState& state, const Eigen::Vector3d& sigma
 Innovation<3> innovation_of_place(const EarthState& state, const Pose3& T_base_then,
                                   const Eigen::Vector3d& p_base_antenna_m, const Eigen::Vector3d& p_enu_m,
                                   const Eigen::Vector3d& white_m) {
-    const Eigen::Vector3d arm_m = state.T_enu_base.rotation * (T_base_then * p_base_antenna_m);
+    const Eigen::Vector3d arm_m =
+        state.T_enu_base.rotation * (T_base_then * (p_base_antenna_m + state.antenna_off_m));
     Innovation<3> innovation;
     innovation.off = p_enu_m - (state.T_enu_base.translation_m + arm_m + state.fix_error_m);
     innovation.H << Eigen::Matrix3d::Identity(), -cross_matrix(arm_m), Eigen::Matrix3d::Identity(),
-        Eigen::Matrix3d::Zero();
+        Eigen::Matrix3d::Zero(), (state.T_enu_base.rotation * T_base_then.rotation).toRotationMatrix();
     innovation.covariance = innovation.H * state.covariance * innovation.H.transpose();
     innovation.covariance.diagonal() += white_m.cwiseAbs2();
     return innovation;

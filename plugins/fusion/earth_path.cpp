@@ -19,7 +19,6 @@ constexpr double re_entry_heading_rad = 0.1;
 /// A fix so much older than the pose that is settled still serves.
 constexpr double hardly_late_s = 0.01;
 constexpr double interpolation_sigma_m = 0.003;  // of where the vehicle was between two poses
-constexpr double one_gap_s = 5;                  // withheld fixes no farther apart are of one gap
 constexpr double no_height_sigma_m = 1e3;
 constexpr double slow_mps = 1;  // Doppler shifts tell no heading below
 
@@ -191,6 +190,8 @@ FixUse EarthPath::apply(const gnss::GnssFix& fix) {
     const Moment then = moment(fix.stamp_ns);
     if (!update_place(fix, then.T_base_then, sigma.white_m)) return FixUse::off_the_path;
     update_velocity(fix, then);
+    used_ = {state_.T_enu_base * then.T_base_then, T_odom_at(*committed_, fix.stamp_ns),
+             pose(*committed_).way_m + then.T_base_then.translation_m.norm()};
     return FixUse::used;
 }
 
@@ -256,24 +257,17 @@ void EarthPath::update_velocity(const gnss::GnssFix& fix, const Moment& then) {
         state_ = updated(state_, velocity);
 }
 
-/// How far the path is from it, and how far it would be by the motion as it came since the gap began.
+/// Where the path is by now, and where the motion as it came would have it since the gap began.
 void EarthPath::look_at_withheld(const gnss::GnssFix& fix) {
     settle_before(fix.stamp_ns);
-    const Moment then = moment(fix.stamp_ns);
-    const Pose3 T_odom_then = T_odom_at(*committed_, fix.stamp_ns);
-    const double way_m = pose(*committed_).way_m + then.T_base_then.translation_m.norm();
-    if (gaps_.empty() || seconds_between(gaps_.back().to_ns, fix.stamp_ns) > one_gap_s) {
-        gaps_.push_back({fix.stamp_ns});
-        gap_start_ = {state_.T_enu_base * then.T_base_then, T_odom_then, way_m};
-    }
-    const Eigen::Vector3d p_enu_m = earth_->p_enu_m(fix.antenna);
-    const Pose3 T_enu_then = state_.T_enu_base * then.T_base_then,
-                T_enu_by_motion = gap_start_.T_enu_base * gap_start_.T_odom_base.inverse() * T_odom_then;
+    if (gaps_.empty() || gaps_.back().from_ns != used_ns_) gaps_.push_back({used_ns_});
     Gap& gap = gaps_.back();
     gap.to_ns = fix.stamp_ns;
-    gap.way_m = way_m - gap_start_.way_m;
-    gap.off_m = T_enu_then * fix.p_base_antenna_m - p_enu_m;
-    gap.dead_reckoning_off_m = T_enu_by_motion * fix.p_base_antenna_m - p_enu_m;
+    gap.end_pose = *committed_;
+    gap.way_m = pose(*committed_).way_m - used_.way_m;
+    gap.end_m = state_.T_enu_base.translation_m;
+    gap.dead_reckoned_end_m =
+        (used_.T_enu_base * used_.T_odom_base.inverse() * pose(*committed_).T_odom_base).translation_m;
     gap.sigma_m = state_.covariance.diagonal().head<3>().cwiseSqrt();
 }
 
@@ -315,7 +309,18 @@ std::vector<PoseOnEarth> EarthPath::finished() {
         smoothed = smoothed_before(step, smoothed);
         path[step.pose] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};
     }
+    judge_gaps(path);
     return path;
+}
+
+/// By the path that the fixes after each gap have made better. The last one counts only if there were any.
+void EarthPath::judge_gaps(const std::vector<PoseOnEarth>& path) {
+    if (!gaps_.empty() && gaps_.back().from_ns == used_ns_) gaps_.pop_back();
+    for (Gap& gap : gaps_) {
+        const Eigen::Vector3d& better_m = path[gap.end_pose].T_enu_base.translation_m;
+        gap.off_m = gap.end_m - better_m;
+        gap.dead_reckoning_off_m = gap.dead_reckoned_end_m - better_m;
+    }
 }
 
 std::vector<PoseOnEarth> EarthPath::path_of_odometry() const {

@@ -23,6 +23,8 @@ struct EarthPathSettings {
     double drift_m = 0.0015, drift_rad = 0.001 * M_PI / 180;
     /// Of the first pose against the horizon: roads lean less to the side than they climb.
     double sigma_roll_rad = 1.5 * M_PI / 180, sigma_pitch_rad = 4 * M_PI / 180;
+    /// Of the antenna's place on the vehicle, forward and to the left each, about what the log says.
+    double sigma_antenna_m = 0;
     double heading_sigma_rad = 3 * M_PI / 180;  ///< with which the heading is taken to be known
     double gate = 0.999;                        ///< part of good fixes that are to pass
     double slip_gate = 0.9999;                  ///< part of good wheel readings that are to pass
@@ -32,13 +34,17 @@ struct EarthPathSettings {
     double late_s = 5;  ///< one that comes later than this is of no use
 };
 
-/// A time in which fixes were withheld, and how far the path was from the last of them.
+/// The time from the last fix that was used to the last of those that were withheld after it, and how far the
+/// path was by then from where all fixes have it, those after the gap included: a single fix may be wrong.
 struct Gap {
     StampNs from_ns = 0, to_ns = 0;
-    double way_m = 0;                                                ///< within it
-    Eigen::Vector3d off_m = Eigen::Vector3d::Zero();                 ///< of the path, ENU
-    Eigen::Vector3d dead_reckoning_off_m = Eigen::Vector3d::Zero();  ///< by the motion as it came
-    Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();               ///< that the path claims
+    std::size_t end_pose = 0;
+    double way_m = 0;                                               ///< within it
+    Eigen::Vector3d end_m = Eigen::Vector3d::Zero();                ///< where the path was at its end, ENU
+    Eigen::Vector3d dead_reckoned_end_m = Eigen::Vector3d::Zero();  ///< by the motion as it came
+    Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();              ///< that the path claimed
+    /// Of the two ends; when the path is finished.
+    Eigen::Vector3d off_m = Eigen::Vector3d::Zero(), dead_reckoning_off_m = Eigen::Vector3d::Zero();
 };
 
 class EarthPath : public FusedPath {
@@ -65,6 +71,7 @@ class EarthPath : public FusedPath {
     /// Lasting errors of the wheels, as known at the latest pose; known before the heading is.
     const Eigen::Vector3d& wheel_errors() const { return ahead_.wheel_errors; }
     Eigen::Vector3d wheel_error_sigmas() const;
+    const Eigen::Vector3d& antenna_off_m() const { return state_.antenna_off_m; }
     const std::vector<Gap>& gaps() const { return gaps_; }
     /// Mean of the fixes' normalised squares by 3: 1 if the noise is as thought.
     double mean_square() const { return squares_ > 0 ? sum_of_squares_ / static_cast<double>(squares_) : 0; }
@@ -95,8 +102,8 @@ class EarthPath : public FusedPath {
         Twist3 velocity;    ///< a second, along the vehicle's axes
         bool by_wheels = false;
     };
-    /// Where the vehicle was at the beginning of a gap.
-    struct GapStart {
+    /// Where the vehicle was at the last fix that was used.
+    struct Used {
         Pose3 T_enu_base, T_odom_base;
         double way_m = 0;
     };
@@ -120,6 +127,7 @@ class EarthPath : public FusedPath {
     void doubt_the_path(const Eigen::Vector3d& off_m);
     void update_velocity(const gnss::GnssFix& fix, const Moment& then);
     void look_at_withheld(const gnss::GnssFix& fix);
+    void judge_gaps(const std::vector<PoseOnEarth>& path);
     std::vector<PoseOnEarth> path_of_odometry() const;
     void look_for_heading(const gnss::GnssFix& fix);
     void begin(const Pose3& T_enu_odom);
@@ -143,7 +151,7 @@ class EarthPath : public FusedPath {
     StampNs used_ns_ = 0;          ///< stamp of that
     SetAside<SmootherStep> steps_;
     std::vector<Gap> gaps_;
-    GapStart gap_start_;  ///< of the last of them
+    Used used_;
     double sum_of_squares_ = 0;
     std::size_t squares_ = 0, re_entries_ = 0;
 };

@@ -29,7 +29,8 @@ void EarthPath::begin(const Pose3& T_enu_odom) {
     state_.T_enu_base = T_enu_odom * poses_.front().T_odom_base;
     StateVector sigma;  // along the vehicle's axes
     sigma << Eigen::Vector3d::Constant(first_sigma_m), settings_.sigma_roll_rad, settings_.sigma_pitch_rad,
-        heading_sigma_factor * heading_.sigma_rad, Eigen::Vector3d::Zero(), settings_.wheels.first;
+        heading_sigma_factor * heading_.sigma_rad, Eigen::Vector3d::Zero(), settings_.wheels.first,
+        settings_.sigma_antenna_m, settings_.sigma_antenna_m, 0;
     state_.covariance = sigma.cwiseAbs2().asDiagonal();
     const Matrix6d R = turned_both(state_.T_enu_base.rotation);
     state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();

@@ -16,7 +16,8 @@ using namespace fusion;
 
 namespace {
 constexpr double least_gap_way_m = 20;  // of which a part of the way makes sense
-}
+constexpr std::size_t most_told_gaps = 99;
+}  // namespace
 
 ModuleInfo FusionModule::info() const {
     ModuleInfo info{"fusion",
@@ -95,6 +96,9 @@ ParameterTable FusionModule::parameters() {
             "Standard deviation of how far the vehicle leans to the side at its first pose; roads lean less "
             "than they climb.")
         .angle("sigma_pitch_deg", s.sigma_pitch_rad, {0.01, 90}, "And of how steeply it stands there.")
+        .real("sigma_antenna_m", s.sigma_antenna_m, {0, 10},
+              "Standard deviation of the antenna's place on the vehicle, forward and to the left each, about "
+              "what the log says; it is found where the vehicle turns.")
         .angle("heading_sigma_deg", s.heading_sigma_rad, {0.01, 20},
                "The heading is taken to be known with this standard deviation.")
         .real("gate", s.gate, {0.5, 0.999999},
@@ -324,6 +328,10 @@ void FusionModule::report(Results& results) const {
     if (error_state_ == nullptr) return;
     metrics["gnss_re_entries"] = static_cast<std::int64_t>(error_state_->re_entries());
     metrics["gnss_mean_square"] = error_state_->mean_square();
+    if (settings_.sigma_antenna_m > 0) {
+        metrics["antenna_forward_off_m"] = error_state_->antenna_off_m().x();
+        metrics["antenna_left_off_m"] = error_state_->antenna_off_m().y();
+    }
 }
 
 void FusionModule::report_wheels(Results& results) const {
@@ -369,6 +377,16 @@ void FusionModule::report_gaps(Results& results) const {
         results.metrics["gap_end_" + of + "mean_percent"] = 100 * parts / static_cast<double>(moving);
         results.metrics["gap_end_" + of + "worst_percent"] = 100 * worst_part;
     };
+    for (std::size_t i = 0; i < gaps.size() && i < most_told_gaps; ++i) {
+        const Gap& gap = gaps[i];
+        const std::string key = "gap_" + std::string(i < 9 ? "0" : "") + std::to_string(i + 1) + "_";
+        results.metrics[key + "from_s"] = seconds_between(first_ns_, gap.from_ns);
+        results.metrics[key + "to_s"] = seconds_between(first_ns_, gap.to_ns);
+        results.metrics[key + "way_m"] = gap.way_m;
+        results.metrics[key + "error_m"] = gap.off_m.head<2>().norm();
+        results.metrics[key + "sigma_m"] = gap.sigma_m.head<2>().norm();
+        results.metrics[key + "dead_reckoning_m"] = gap.dead_reckoning_off_m.head<2>().norm();
+    }
     sum_up("error_", &Gap::off_m);
     sum_up("dead_reckoning_", &Gap::dead_reckoning_off_m);
 }

@@ -49,7 +49,7 @@ void fields(Archive& archive, WheelUse& use) {
 
 template <class Archive>
 void fields(Archive& archive, Gap& gap) {
-    archive(gap.from_ns, gap.to_ns, gap.way_m, gap.off_m, gap.dead_reckoning_off_m, gap.sigma_m);
+    archive(gap.from_ns, gap.to_ns, gap.end_pose, gap.way_m, gap.end_m, gap.dead_reckoned_end_m, gap.sigma_m);
 }
 
 template <class Archive>
@@ -70,7 +70,7 @@ void fields(Archive& archive, SeenFix& fix) {
 
 template <class Archive>
 void fields(Archive& archive, EarthState& state) {
-    archive(state.T_enu_base, state.fix_error_m, state.wheel_errors, state.covariance);
+    archive(state.T_enu_base, state.fix_error_m, state.wheel_errors, state.antenna_off_m, state.covariance);
 }
 
 template <class Archive>
@@ -105,7 +105,7 @@ void fields(Archive& archive, EarthPath& path) {
     archive.each(path.misfits_,
                  [](Archive& a, EarthPath::Misfit& misfit) { a(misfit.stamp_ns, misfit.off_m); });
     archive(path.used_ns_, path.steps_);
-    archive(path.gaps_, path.gap_start_.T_enu_base, path.gap_start_.T_odom_base, path.gap_start_.way_m);
+    archive(path.gaps_, path.used_.T_enu_base, path.used_.T_odom_base, path.used_.way_m);
     archive(path.sum_of_squares_, path.squares_, path.re_entries_);
 }
 
