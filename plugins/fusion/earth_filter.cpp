@@ -13,7 +13,7 @@ EarthState moved_by(const EarthState& state, const StateVector& error) {
     moved.T_enu_base.translation_m += error.head<3>();
     moved.T_enu_base.rotation = (exp_so3(error.segment<3>(3)) * state.T_enu_base.rotation).normalized();
     moved.fix_error_m += error.segment<3>(fix_errors_at);
-    moved.wheel_errors += error.segment<3>(wheel_errors_at);
+    moved.wheel_errors += error.segment<wheel_error_count>(wheel_errors_at);
     moved.antenna_off_m += error.segment<3>(antenna_at);
     return moved;
 }
@@ -35,26 +35,27 @@ StateAndMotion with_odometry(const EarthState& state, const Motion& motion) {
 }
 
 StateAndMotion with_wheels(const EarthState& state, const Twist2& told, const WheelNoise& noise) {
-    const Eigen::Matrix<double, 6, 3> J = by_wheel_errors(told, state.wheel_errors);
-    const auto P = state.covariance.middleCols<3>(wheel_errors_at);
+    const ByWheelErrors J = by_wheel_errors(told, state.wheel_errors, told.turn_rad);
+    const auto P = state.covariance.middleCols<wheel_error_count>(wheel_errors_at);
     StateAndMotion both{state, in_space(corrected(told, state.wheel_errors))};
     both.covariance.topLeftCorner<state_errors, state_errors>() = state.covariance;
     both.covariance.topRightCorner<state_errors, 6>() = P * J.transpose();
     both.covariance.bottomLeftCorner<6, state_errors>() = J * P.transpose();
     both.covariance.bottomRightCorner<6, 6>() =
-        J * P.middleRows<3>(wheel_errors_at) * J.transpose() + noise_of(told, noise);
+        J * P.middleRows<wheel_error_count>(wheel_errors_at) * J.transpose() + noise_of(told, noise);
     return both;
 }
 
 WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& told,
                                      const WheelNoise& noise) {
     constexpr int told_rows[] = {0, 1, 5};
-    const Eigen::Vector3d& errors = both.state.wheel_errors;
-    const Pose3 T_by_wheels = in_space(corrected(told, errors));
+    const WheelErrors& errors = both.state.wheel_errors;
+    const double turn_rad = log_so3(both.T_from_to.rotation).z();
+    const Pose3 T_by_wheels = in_space(corrected(told, errors, turn_rad));
     Eigen::Matrix<double, 6, 1> off;
     off << T_by_wheels.translation_m - both.T_from_to.translation_m,
         log_so3(T_by_wheels.rotation * both.T_from_to.rotation.conjugate());
-    const Eigen::Matrix<double, 6, 3> J = by_wheel_errors(told, errors);
+    const ByWheelErrors J = by_wheel_errors(told, errors, turn_rad);
     const Matrix6d R = noise_of(told, noise);
     WheelInnovation innovation;
     innovation.H.setZero();
@@ -62,7 +63,7 @@ WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& t
     for (int k = 0; k < 3; ++k) {
         const int row = told_rows[k];
         innovation.off[k] = off[row];
-        innovation.H.block<1, 3>(k, wheel_errors_at) = -J.row(row);
+        innovation.H.block<1, wheel_error_count>(k, wheel_errors_at) = -J.row(row);
         innovation.H(k, state_errors + row) = 1;
         innovation.noise(k, k) = R(row, row);
     }
@@ -104,7 +105,7 @@ Carried carry(const StateAndMotion& both, double duration_s, const FixErrorProce
     carried.before_and_after = PFt.topRows<state_errors>();
     after.covariance = F * PFt;
     after.covariance.diagonal().segment<3>(fix_errors_at) += (1 - keeps * keeps) * fixes.sigma_m.cwiseAbs2();
-    after.covariance.diagonal().segment<3>(wheel_errors_at) +=
+    after.covariance.diagonal().segment<wheel_error_count>(wheel_errors_at) +=
         both.T_from_to.translation_m.norm() / 1000 * wheels.drift_km.cwiseAbs2();
     return carried;
 }
@@ -128,7 +129,8 @@ Innovation<3> innovation_of_place(const EarthState& state, const Pose3& T_base_t
     Innovation<3> innovation;
     innovation.off = p_enu_m - (state.T_enu_base.translation_m + arm_m + state.fix_error_m);
     innovation.H << Eigen::Matrix3d::Identity(), -cross_matrix(arm_m), Eigen::Matrix3d::Identity(),
-        Eigen::Matrix3d::Zero(), (state.T_enu_base.rotation * T_base_then.rotation).toRotationMatrix();
+        Eigen::Matrix<double, 3, wheel_error_count>::Zero(),
+        (state.T_enu_base.rotation * T_base_then.rotation).toRotationMatrix();
     innovation.covariance = innovation.H * state.covariance * innovation.H.transpose();
     innovation.covariance.diagonal() += white_m.cwiseAbs2();
     return innovation;

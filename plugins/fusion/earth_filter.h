@@ -13,15 +13,16 @@ namespace loopline::fusion {
 
 /// Errors of a state: shift and turn along ENU about the vehicle, slow error of the fixes, lasting errors of
 /// the wheels, place of the antenna.
-constexpr int state_errors = 15, fix_errors_at = 6, wheel_errors_at = 9, antenna_at = 12;
+constexpr int fix_errors_at = 6, wheel_errors_at = 9, antenna_at = wheel_errors_at + wheel_error_count,
+              state_errors = antenna_at + 3;
 using StateVector = Eigen::Matrix<double, state_errors, 1>;
 using StateMatrix = Eigen::Matrix<double, state_errors, state_errors>;
 
 /// What is known at a moment.
 struct EarthState {
     Pose3 T_enu_base;
-    Eigen::Vector3d fix_error_m = Eigen::Vector3d::Zero();   ///< slow error of the receiver's positions, ENU
-    Eigen::Vector3d wheel_errors = Eigen::Vector3d::Zero();  ///< by WheelError
+    Eigen::Vector3d fix_error_m = Eigen::Vector3d::Zero();  ///< slow error of the receiver's positions, ENU
+    WheelErrors wheel_errors = WheelErrors::Zero();         ///< by WheelError
     Eigen::Vector3d antenna_off_m =
         Eigen::Vector3d::Zero();  ///< of the antenna from where it is said to be, base
     StateMatrix covariance = StateMatrix::Zero();

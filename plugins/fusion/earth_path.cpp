@@ -19,17 +19,19 @@ constexpr double re_entry_heading_rad = 0.1;
 /// A fix so much older than the pose that is settled still serves.
 constexpr double hardly_late_s = 0.01;
 constexpr double interpolation_sigma_m = 0.003;  // of where the vehicle was between two poses
+constexpr double nothing_known = 100;            // variance, m^2 or rad^2
 constexpr double no_height_sigma_m = 1e3;
 constexpr double slow_mps = 1;  // Doppler shifts tell no heading below
 
 }  // namespace
 
 EarthPath::EarthPath(const EarthPathSettings& settings) : settings_(settings) {
-    ahead_.covariance.diagonal().segment<3>(wheel_errors_at) = settings.wheels.first.cwiseAbs2();
+    ahead_.covariance.diagonal().segment<wheel_error_count>(wheel_errors_at) =
+        settings.wheels.first.cwiseAbs2();
 }
 
-Eigen::Vector3d EarthPath::wheel_error_sigmas() const {
-    return ahead_.covariance.diagonal().segment<3>(wheel_errors_at).cwiseSqrt();
+WheelErrors EarthPath::wheel_error_sigmas() const {
+    return ahead_.covariance.diagonal().segment<wheel_error_count>(wheel_errors_at).cwiseSqrt();
 }
 
 void EarthPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance,
@@ -103,12 +105,20 @@ Motion EarthPath::odometry_to(std::size_t number) const {
     return motion;
 }
 
+Motion EarthPath::without_what_wheels_told(Motion motion) const {
+    for (const Eigen::Index k : {0, 1, 5}) {
+        const double held = k < 3 ? settings_.held_m : settings_.held_rad;
+        if (motion.covariance(k, k) > held * held) motion.covariance(k, k) += nothing_known;
+    }
+    return motion;
+}
+
 /// By all who tell of it. Wheels that say something else than the odometry have slipped.
 StateAndMotion EarthPath::motion_to(std::size_t number, const EarthState& from, WheelUse* use) const {
     const PoseNode& node = pose(number);
     if (node.by_wheels) return with_wheels(from, *node.wheels, settings_.wheels);
-    const StateAndMotion by_odometry = with_odometry(from, odometry_to(number));
-    if (!node.wheels) return by_odometry;
+    if (!node.wheels) return with_odometry(from, odometry_to(number));
+    const StateAndMotion by_odometry = with_odometry(from, without_what_wheels_told(odometry_to(number)));
     const WheelInnovation wheels = innovation_of_wheels(by_odometry, *node.wheels, settings_.wheels);
     const double square = wheels.square();
     const bool slipped = square > least_squares::chi_square_quantile(3, settings_.slip_gate);

@@ -28,6 +28,9 @@ struct EarthPathSettings {
     double heading_sigma_rad = 3 * M_PI / 180;  ///< with which the heading is taken to be known
     double gate = 0.999;                        ///< part of good fixes that are to pass
     double slip_gate = 0.9999;                  ///< part of good wheel readings that are to pass
+    /// Where the odometry is less certain of a motion than this it may have it from the wheels, which lead it
+    /// along a tunnel: there they count alone.
+    double held_m = 0.01, held_rad = 0.3 * M_PI / 180;
     /// If none was used for so long, fixes that agree with one another for some seconds are right, whatever
     /// the filter says.
     double re_entry_s = 30;
@@ -69,8 +72,8 @@ class EarthPath : public FusedPath {
     /// The latest motion, as all who told of it have it.
     const Motion& latest_motion() const { return latest_motion_; }
     /// Lasting errors of the wheels, as known at the latest pose; known before the heading is.
-    const Eigen::Vector3d& wheel_errors() const { return ahead_.wheel_errors; }
-    Eigen::Vector3d wheel_error_sigmas() const;
+    const WheelErrors& wheel_errors() const { return ahead_.wheel_errors; }
+    WheelErrors wheel_error_sigmas() const;
     const Eigen::Vector3d& antenna_off_m() const { return state_.antenna_off_m; }
     const std::vector<Gap>& gaps() const { return gaps_; }
     /// Mean of the fixes' normalised squares by 3: 1 if the noise is as thought.
@@ -112,6 +115,7 @@ class EarthPath : public FusedPath {
     void take(PoseNode node);
     double duration_s(std::size_t number) const;
     Motion odometry_to(std::size_t number) const;
+    Motion without_what_wheels_told(Motion motion) const;
     StateAndMotion motion_to(std::size_t number, const EarthState& from, WheelUse* use = nullptr) const;
     EarthState predict(std::size_t number, const EarthState& from) const;
     std::size_t pose_before(StampNs stamp_ns) const;

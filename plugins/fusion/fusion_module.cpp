@@ -70,6 +70,10 @@ ParameterTable FusionModule::parameters() {
         .real("wheel_turn_scale", s.wheels.first[turn_scale], {0, 2}, "The same of the scale of their turn.")
         .angle("wheel_bend_deg", s.wheels.first[bend], {0, 45},
                "The same of what they turn too far in 1 m, as by a steering that is off its middle.")
+        .real("wheel_one_sided", s.wheels.first[one_sided], {0, 1},
+              "The same of what turns to the left are larger by, and those to the right smaller.")
+        .real("wheel_curve_m2", s.wheels.first[curve], {0, 100},
+              "The same of what turns are larger by, times their curvature squared: steering is not linear.")
         .real("wheel_along_m", s.wheels.along_m, {0, 10},
               "Noise of the wheels' way after 1 m; it grows with the root of the way.")
         .real("wheel_across_m", s.wheels.across_m, {0, 10}, "The same to the side.")
@@ -79,6 +83,11 @@ ParameterTable FusionModule::parameters() {
         .real("wheel_up_m", s.wheels.up_m, {0, 10},
               "What the road rises by after 1 m, which wheels do not tell, beside what its slope does.")
         .angle("wheel_tilt_deg", s.wheels.tilt_rad, {0, 45}, "And what its slope changes by after 1 m.")
+        .real(
+            "held_m", s.held_m, {1e-6, 10},
+            "Where the odometry is less certain of a motion than this it may have it from the wheels, which "
+            "lead it along a tunnel: there they count alone.")
+        .angle("held_deg", s.held_rad, {1e-6, 180}, "The same of a turn.")
         .real("slip_gate", s.slip_gate, {0.5, 0.9999999},
               "Part of good wheel readings that are to pass: wheels that are farther from the odometry's "
               "motion have slipped.");
@@ -350,6 +359,8 @@ void FusionModule::report_wheels(Results& results) const {
     metrics["wheel_turn_scale_sigma"] = sigmas[turn_scale];
     metrics["wheel_bend_deg"] = errors[bend] * 180 / M_PI;
     metrics["wheel_bend_sigma_deg"] = sigmas[bend] * 180 / M_PI;
+    metrics["wheel_one_sided"] = errors[one_sided];
+    metrics["wheel_curve_m2"] = errors[curve];
 }
 
 /// How far the path was from the last fix of each gap, on the plan, and its motion alone from where that

@@ -14,7 +14,7 @@ class HeadingStart {
     struct Settings {
         double sigma_rad = 3 * M_PI / 180;  ///< with which the heading is taken to be known
         /// Lasting errors of the wheels, if the path is theirs, by WheelError.
-        Eigen::Vector3d wheels = Eigen::Vector3d::Zero();
+        WheelErrors wheels = WheelErrors::Zero();
     };
 
     /// The next fix, at `time_s`: where the antenna is by the path and by the fix. The heading, once it is

@@ -6,7 +6,7 @@ namespace loopline::fusion {
 
 EarthStateRecord::EarthStateRecord(const EarthState& state) : T_enu_base(state.T_enu_base) {
     Eigen::Map<Eigen::Vector3d>(fix_error_m.data()) = state.fix_error_m;
-    Eigen::Map<Eigen::Vector3d>(wheel_errors.data()) = state.wheel_errors;
+    Eigen::Map<WheelErrors>(wheel_errors.data()) = state.wheel_errors;
     Eigen::Map<Eigen::Vector3d>(antenna_off_m.data()) = state.antenna_off_m;
     std::size_t k = 0;
     for (int column = 0; column < state_errors; ++column)
@@ -17,7 +17,7 @@ EarthState EarthStateRecord::state() const {
     EarthState state;
     state.T_enu_base = T_enu_base.pose();
     state.fix_error_m = Eigen::Map<const Eigen::Vector3d>(fix_error_m.data());
-    state.wheel_errors = Eigen::Map<const Eigen::Vector3d>(wheel_errors.data());
+    state.wheel_errors = Eigen::Map<const WheelErrors>(wheel_errors.data());
     state.antenna_off_m = Eigen::Map<const Eigen::Vector3d>(antenna_off_m.data());
     std::size_t k = 0;
     for (int column = 0; column < state_errors; ++column)

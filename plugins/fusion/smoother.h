@@ -13,7 +13,8 @@ namespace loopline::fusion {
 /// A state as it lies on disk.
 struct EarthStateRecord {
     Pose3Record T_enu_base;
-    std::array<double, 3> fix_error_m{}, wheel_errors{}, antenna_off_m{};
+    std::array<double, 3> fix_error_m{}, antenna_off_m{};
+    std::array<double, wheel_error_count> wheel_errors{};
     std::array<double, state_errors*(state_errors + 1) / 2>
         covariance{};  ///< upper triangle, column by column
 

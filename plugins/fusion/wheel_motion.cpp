@@ -2,15 +2,29 @@
 
 namespace loopline::fusion {
 
-Twist2 corrected(const Twist2& told, const Eigen::Vector3d& errors) {
+namespace {
+
+constexpr double tightest_per_m = 0.5;  // beyond, a vehicle turns nearly in place, and has no steering
+
+/// How the turn changes with each of the errors.
+WheelErrors turn_by_errors(const Twist2& told, double turn_rad) {
+    const double w = turn_rad, f = std::abs(told.forward_m);
+    const double curvature_per_m = std::abs(w) < tightest_per_m * f ? w / f : 0;
+    return (WheelErrors() << 0, w, told.forward_m, std::abs(w), w * curvature_per_m * curvature_per_m)
+        .finished();
+}
+
+}  // namespace
+
+Twist2 corrected(const Twist2& told, const WheelErrors& errors, double turn_rad) {
     const double longer = 1 + errors[way_scale];
     return {longer * told.forward_m, longer * told.left_m,
-            (1 + errors[turn_scale]) * told.turn_rad + errors[bend] * told.forward_m};
+            told.turn_rad + turn_by_errors(told, turn_rad).dot(errors)};
 }
 
 /// exp(f, l, w) = (a f - b l, b f + a l), a = sin w / w, b = (1 - cos w) / w.
-Eigen::Matrix<double, 6, 3> by_wheel_errors(const Twist2& told, const Eigen::Vector3d& errors) {
-    const Twist2 twist = corrected(told, errors);
+ByWheelErrors by_wheel_errors(const Twist2& told, const WheelErrors& errors, double turn_rad) {
+    const Twist2 twist = corrected(told, errors, turn_rad);
     const double w = twist.turn_rad, half_sine = std::sin(w / 2);
     const bool straight = std::abs(w) < 1e-4;
     const double a = straight ? 1 - w * w / 6 : std::sin(w) / w,
@@ -20,12 +34,11 @@ Eigen::Matrix<double, 6, 3> by_wheel_errors(const Twist2& told, const Eigen::Vec
     const Eigen::Vector2d by_way(a * told.forward_m - b * told.left_m, b * told.forward_m + a * told.left_m),
         by_turn(a_by_w * twist.forward_m - b_by_w * twist.left_m,
                 b_by_w * twist.forward_m + a_by_w * twist.left_m);
-    Eigen::Matrix<double, 6, 3> J = Eigen::Matrix<double, 6, 3>::Zero();
+    const WheelErrors turn = turn_by_errors(told, turn_rad);
+    ByWheelErrors J = ByWheelErrors::Zero();
+    J.topRows<2>() = by_turn * turn.transpose();
+    J.row(5) = turn.transpose();
     J.col(way_scale).head<2>() = by_way;
-    J.col(turn_scale).head<2>() = told.turn_rad * by_turn;
-    J.col(bend).head<2>() = told.forward_m * by_turn;
-    J(5, turn_scale) = told.turn_rad;
-    J(5, bend) = told.forward_m;
     return J;
 }
 

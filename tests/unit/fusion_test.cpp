@@ -28,7 +28,7 @@ EarthState some_state(std::mt19937_64& random) {
     EarthState state;
     state.T_enu_base = {drawn(random, 20), inertial::exp_so3(drawn(random, 1))};
     state.fix_error_m = drawn(random, 1);
-    state.wheel_errors = drawn(random, 0.02);
+    state.wheel_errors << drawn(random, 0.02), drawn(random, 0.02).head<2>();
     state.antenna_off_m = drawn(random, 1);
     const StateMatrix A = StateMatrix::Random();
     state.covariance = 1e-4 * (A * A.transpose());
@@ -89,7 +89,7 @@ void expect_carried(const EarthState& state, const StateAndMotion& both,
     P.topLeftCorner<6, 6>() += R * added * R.transpose();
     P.diagonal().segment<3>(fix_errors_at) +=
         (1 - std::exp(-0.2 / some_process.correlation_s)) * some_process.sigma_m.cwiseAbs2();
-    P.diagonal().segment<3>(wheel_errors_at) +=
+    P.diagonal().segment<wheel_error_count>(wheel_errors_at) +=
         both.T_from_to.translation_m.norm() / 1000 * noise.drift_km.cwiseAbs2();
     EXPECT_LT(largest(carried.after.covariance - P), 1e-8);
 }
@@ -216,14 +216,14 @@ struct Receiver {
 /// Wheels beside the odometry, or alone.
 struct Wheels {
     bool alone = false;
-    Eigen::Vector3d errors{0.02, -0.05, 0.15 * rad};  ///< by which the truth is larger
-    double along_m = 0.01, turn_rad = 0.05 * rad;     ///< noise after 1 m
-    double slip_from_s = 1e9, slip_to_s = 1e9;        ///< they tell half as much again
+    WheelErrors errors{0.02, -0.05, 0.15 * rad, 0, 0};  ///< by which the truth is larger
+    double along_m = 0.01, turn_rad = 0.05 * rad;       ///< noise after 1 m
+    double slip_from_s = 1e9, slip_to_s = 1e9;          ///< they tell half as much again
     bool odometry_is_blind = false;  ///< within the receiver's outage it stands still forward, and says so
 };
 
 /// What wheels would have to tell for `twist` to be the truth.
-Twist2 told_of(const Twist2& twist, const Eigen::Vector3d& errors) {
+Twist2 told_of(const Twist2& twist, const WheelErrors& errors) {
     const double forward_m = twist.forward_m / (1 + errors[way_scale]);
     return {forward_m, twist.left_m / (1 + errors[way_scale]),
             (twist.turn_rad - errors[bend] * forward_m) / (1 + errors[turn_scale])};
@@ -556,6 +556,7 @@ TEST(EarthPath, wheels_alone_find_their_errors) {
     settings.wheels.turn_rad = 0.05 * rad;
     settings.wheels.turn_per_turn_rad = 0;
     settings.wheels.drift_km.setZero();
+    settings.wheels.first.tail<2>().setZero();
     const Drive drive(60, 0.7);
     constexpr int runs = 50;
     Eigen::Vector3d squares = Eigen::Vector3d::Zero();
@@ -564,11 +565,11 @@ TEST(EarthPath, wheels_alone_find_their_errors) {
         std::mt19937_64 random(1000 + seed);
         Wheels wheels;
         wheels.alone = true;
-        wheels.errors = drawn(random, 1).cwiseProduct(settings.wheels.first);
+        wheels.errors.head<3>() = drawn(random, 1).cwiseProduct(settings.wheels.first.head<3>());
         EarthPath path = followed(drive, receiver, seed, settings, nullptr, wheels);
         ASSERT_TRUE(path.heading_known());
-        squares +=
-            (path.wheel_errors() - wheels.errors).cwiseQuotient(path.wheel_error_sigmas()).cwiseAbs2() / runs;
+        const WheelErrors off = path.wheel_errors() - wheels.errors, sigma = path.wheel_error_sigmas();
+        squares += off.head<3>().cwiseQuotient(sigma.head<3>()).cwiseAbs2() / runs;
         const EarthState end = *path.latest();
         const Eigen::Vector2d off_m =
             (end.T_enu_base.translation_m - (T_path_truth(path) * drive.T_enu_base.back()).translation_m)
