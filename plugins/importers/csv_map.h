@@ -99,7 +99,13 @@ std::string path_of_column_map(const std::string& name);
 
 /// The keys of [clock].
 ParameterTable clock_table(ClockSettings& clock);
-/// The tables of all kinds and of [clock], for the pages that describe them.
-std::vector<ParameterTable> tables_of_all_kinds(std::deque<Section>& sections, ClockSettings& clock);
+/// A section of each kind, for the pages that describe them.
+struct AllKinds {
+    /// Bound to this; of [clock] and of each kind.
+    std::vector<ParameterTable> tables();
+
+    ClockSettings clock;
+    std::deque<Section> sections;
+};
 
 }  // namespace loopline::csv
