@@ -51,6 +51,7 @@ struct Section {
     Kind kind = Kind::odometry;
     std::string file, acceleration_file;
     std::deque<ColumnKey> columns;
+    double late_s = 0;
     double x_m = 0, y_m = 0, z_m = 0, yaw_rad = 0, pitch_rad = 0, roll_rad = 0;
 
     SteeredCar car{0, 0};

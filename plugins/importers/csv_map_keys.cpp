@@ -167,6 +167,7 @@ ParameterTable Section::table() {
     table.choice("kind", kind, kinds(), "What the section is of.")
         .text("file", file, "Name of the table, among the inputs or in a folder that is one.");
     add_columns(table);
+    table.real("late_s", late_s, {-60, 60}, "How late its times are: taken off them.");
     switch (kind) {
         case Kind::odometry:
             break;

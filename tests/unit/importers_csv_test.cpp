@@ -315,6 +315,9 @@ TEST_F(CsvImport, the_clock_of_the_tables_becomes_utc_by_the_quickest_fixes) {
         EXPECT_EQ(log.fix(i - 1).stamp_ns, 1'600'000'001'000'000'000) << "fixes stand where they came";
         EXPECT_EQ(log.fix(i + 1).stamp_ns, 1'600'000'002'000'000'000);
     }
+    const auto late = import(
+        "[wheels]\nkind = odometry\nfile = o.csv\ntime = t\nx = x\ny = y\nyaw = h in rad\nlate_s = 0.25\n");
+    EXPECT_EQ(late.stamp_ns(1), 1'001'750'500'000);
     const auto shifted = import(
         "[clock]\nadd_s = 100\n[wheels]\nkind = odometry\nfile = o.csv\ntime = t\nx = x\ny = y\nyaw = h "
         "in rad\n");
