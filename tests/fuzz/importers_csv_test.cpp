@@ -62,7 +62,7 @@ TEST(HostileTables, give_a_sentence_or_observations) {
     std::mt19937 random(7);
     const test::TemporaryFolder folder;
     int imported = 0, refused = 0;
-    for (int i = 0; i < 1500; ++i) {
+    for (int i = 0; i < 400; ++i) {
         const std::string run =
             std::to_string(i);  // a folder of its own: files that are cut and written again are slow
         const auto sometimes = [&](const std::string& text) {
@@ -82,6 +82,6 @@ TEST(HostileTables, give_a_sentence_or_observations) {
             ++refused;
         }
     }
-    EXPECT_GT(imported, 300);
-    EXPECT_GT(refused, 300);
+    EXPECT_GT(imported, 80);
+    EXPECT_GT(refused, 80);
 }

@@ -6,6 +6,7 @@
 
 #include <sstream>
 
+#include "api/parameters.h"
 #include "commands/imu_survey.h"
 #include "evaluate/fix_errors.h"
 #include "gnss/gps_observation.h"
@@ -79,6 +80,8 @@ TEST(ColumnMaps, comma2k19_is_placed_on_the_earth_in_utc) {
     EXPECT_NEAR(value("gnss_ublox_horizontal_rmse_m"), 0.6, 0.2);
     EXPECT_NEAR(value("gnss_qcom_horizontal_rmse_m"), 4.0, 0.3);
     EXPECT_EQ(std::get<std::int64_t>(metrics.at("gnss_fixes_compared")), 579 + 30);
+    for (const auto& [key, metric] : metrics)
+        if (const auto* number = std::get_if<double>(&metric)) RecordProperty(key, number_text(*number));
     // The road is nearly straight and 1,012 m long.
     EXPECT_NEAR(last.at("steering").translation().norm(), 1012, 15);
     EXPECT_NEAR(last.at("wheels").translation().norm(), 1012, 25);
