@@ -94,6 +94,9 @@ struct ColumnMap {
 /// Reads and checks a map. Throws ConfigurationError with all that is wrong, a sentence each with file:line.
 ColumnMap read_column_map(const std::string& path);
 
+/// Keys that are missing, say the same twice or do not go together.
+void check_section(ColumnMap& map, const Section& section, std::vector<Problem>& problems);
+
 /// The path of a map: `name` itself, or NAME.ini of those that come with the program. Throws
 /// CommandError(exit_configuration) if it is neither.
 std::string path_of_column_map(const std::string& name);

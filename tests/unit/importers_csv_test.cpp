@@ -301,6 +301,11 @@ TEST_F(CsvImport, the_clock_of_the_tables_becomes_utc_by_the_quickest_fixes) {
         "deg\n[wheels]\nkind = odometry\nfile = o.csv\ntime = t\nx = x\ny = y\nyaw = h in rad\n";
     const auto log = import("[clock]\nutc_from = gps\nlatency_s = 0.06\n" + map);
     ASSERT_EQ(log.observations.size(), 53u);
+    EXPECT_NE(log.warnings.find("[gps]: 1 fixes have a utc more than an hour from"), std::string::npos);
+    EXPECT_NE(import(map).warnings.find(
+                  "[gps]: 50 fixes have a utc more than an hour from the times of the tables; if "
+                  "these are not UTC, name a section in [clock] utc_from"),
+              std::string::npos);
     EXPECT_EQ(log.observations[0]->sensorLabel, "wheels");
     EXPECT_EQ(log.stamp_ns(0), 1'600'000'000'000'000'000);
     std::size_t fix_count = 0;
