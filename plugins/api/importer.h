@@ -31,6 +31,8 @@ class RawlogSink {
 class Importer : public Configurable {
     DEFINE_VIRTUAL_MRPT_OBJECT(Importer)
  public:
+    /// The sections of files that one of its parameters names, bound to this object, for the manual.
+    virtual std::vector<ParameterTable> sections() { return {}; }
     /// Whether an input may be a folder.
     virtual bool takes_folders() const { return false; }
     /// Reads all `inputs`, in this order, as one log. Returns one sentence that sums up what came out. Throws

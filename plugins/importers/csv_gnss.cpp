@@ -106,7 +106,9 @@ bool GnssStream::next(const Clock& clock, Reading& reading) {
         }
         reading.known_ns = fix->stamp_ns = clock.utc_ns(rows_.time_ns());
         if (rows_.has_utc()) {
+            constexpr double never_so_late_s = 3600;
             fix->stamp_ns = rows_.utc_ns();
+            far_from_utc_ += std::abs(seconds_between(fix->stamp_ns, reading.known_ns)) > never_so_late_s;
             reading.known_ns = std::max(reading.known_ns, fix->stamp_ns);
             fix->received_ns = reading.known_ns;
         }
@@ -120,6 +122,11 @@ bool GnssStream::next(const Clock& clock, Reading& reading) {
 
 std::vector<std::string> GnssStream::complaints() const {
     auto sentences = rows_.complaints();
+    if (far_from_utc_ > 0)
+        sentences.push_back(
+            "[" + section_.name + "]: " + std::to_string(far_from_utc_) +
+            " fixes have a utc more than an hour from the times of the tables; if these are not UTC, name "
+            "a section in [clock] utc_from");
     if (impossible_ > 0)
         sentences.push_back(
             "[" + section_.name + "]: " + std::to_string(impossible_) +

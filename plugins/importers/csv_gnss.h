@@ -23,7 +23,7 @@ class GnssStream : public SensorStream {
     int latitude_, longitude_, east_, north_, height_, altitude_, speed_, course_, sigma_[3], variance_[3],
         quality_, satellites_, hdop_;
     std::optional<gnss::LocalFrame> frame_;
-    std::size_t impossible_ = 0;
+    std::size_t impossible_ = 0, far_from_utc_ = 0;
 };
 
 /// How far the clock of the tables is behind UTC by the fixes of a section with a column "utc": that of the

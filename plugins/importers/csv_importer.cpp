@@ -173,6 +173,11 @@ std::string CsvImporter::check() const {
     return {};
 }
 
+std::vector<ParameterTable> CsvImporter::sections() {
+    described_ = std::make_shared<AllKinds>();
+    return described_->tables();
+}
+
 std::string CsvImporter::import(const std::vector<std::string>& paths, RawlogSink& sink) {
     ColumnMap map = read_column_map(path_of_column_map(columns_));
     Inputs inputs(paths);

@@ -1,7 +1,10 @@
 /// Importer "csv": tables of real vehicles, as a column map says what is in them.
 #pragma once
 
+#include <memory>
+
 #include "api/importer.h"
+#include "importers/csv_map.h"
 
 namespace loopline {
 
@@ -13,11 +16,13 @@ class CsvImporter : public Importer {
     ModuleInfo info() const override;
     ParameterTable parameters() override;
     std::string check() const override;
+    std::vector<ParameterTable> sections() override;
     bool takes_folders() const override { return true; }
     std::string import(const std::vector<std::string>& inputs, RawlogSink& sink) override;
 
  private:
     std::string columns_;
+    std::shared_ptr<csv::AllKinds> described_;  ///< what sections() is bound to
 };
 
 }  // namespace loopline

@@ -51,6 +51,7 @@ struct Section {
     Kind kind = Kind::odometry;
     std::string file, acceleration_file;
     std::deque<ColumnKey> columns;
+    double late_s = 0;
     double x_m = 0, y_m = 0, z_m = 0, yaw_rad = 0, pitch_rad = 0, roll_rad = 0;
 
     SteeredCar car{0, 0};
@@ -93,13 +94,22 @@ struct ColumnMap {
 /// Reads and checks a map. Throws ConfigurationError with all that is wrong, a sentence each with file:line.
 ColumnMap read_column_map(const std::string& path);
 
+/// Keys that are missing, say the same twice or do not go together.
+void check_section(ColumnMap& map, const Section& section, std::vector<Problem>& problems);
+
 /// The path of a map: `name` itself, or NAME.ini of those that come with the program. Throws
 /// CommandError(exit_configuration) if it is neither.
 std::string path_of_column_map(const std::string& name);
 
 /// The keys of [clock].
 ParameterTable clock_table(ClockSettings& clock);
-/// The tables of all kinds and of [clock], for the pages that describe them.
-std::vector<ParameterTable> tables_of_all_kinds(std::deque<Section>& sections, ClockSettings& clock);
+/// A section of each kind, for the pages that describe them.
+struct AllKinds {
+    /// Bound to this; of [clock] and of each kind.
+    std::vector<ParameterTable> tables();
+
+    ClockSettings clock;
+    std::deque<Section> sections;
+};
 
 }  // namespace loopline::csv

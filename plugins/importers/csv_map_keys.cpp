@@ -103,6 +103,29 @@ std::vector<DeclaredColumn> declared_columns(Kind kind) {
         quaternion);
 }
 
+const char* sentence_of(Kind kind) {
+    switch (kind) {
+        case Kind::odometry:
+            return "A pose that somebody added up from wheels: CObservationOdometry.";
+        case Kind::steering:
+            return "Speed and steering of a car, added up to a pose of the middle of its rear axle: "
+                   "CObservationOdometry.";
+        case Kind::wheels:
+            return "Speeds of the two wheels of the axle that is not steered, added up to a pose of its "
+                   "middle: "
+                   "CObservationOdometry.";
+        case Kind::imu:
+            return "Turn rates and accelerations: CObservationIMU.";
+        case Kind::gnss:
+            return "Fixes of a receiver: CObservationGPS.";
+        case Kind::reference:
+            break;
+    }
+    return "Where the vehicle really was: F.truth.tum beside F.rawlog, and F.truth.csv if its place on the "
+           "Earth is "
+           "known.";
+}
+
 void add_origin(ParameterTable& table, Section& s, const std::string& what) {
     const Range none_or{-180, Section::no_angle_deg};
     table
@@ -140,10 +163,11 @@ void Section::add_mount(ParameterTable& table, bool turned) {
 }
 
 ParameterTable Section::table() {
-    ParameterTable table(name, "A sensor of the log.");
+    ParameterTable table(name, sentence_of(kind));
     table.choice("kind", kind, kinds(), "What the section is of.")
         .text("file", file, "Name of the table, among the inputs or in a folder that is one.");
     add_columns(table);
+    table.real("late_s", late_s, {-60, 60}, "How late its times are: taken off them.");
     switch (kind) {
         case Kind::odometry:
             break;
@@ -196,10 +220,11 @@ ParameterTable Section::table() {
     return table;
 }
 
-std::vector<ParameterTable> tables_of_all_kinds(std::deque<Section>& sections, ClockSettings& clock) {
+std::vector<ParameterTable> AllKinds::tables() {
+    sections.clear();
     std::vector<ParameterTable> tables{clock_table(clock)};
     for (const auto& [name, kind] : kinds()) {
-        sections.emplace_back(name).kind = kind;
+        sections.emplace_back("kind = " + name).kind = kind;
         tables.push_back(sections.back().table());
     }
     return tables;

@@ -8,7 +8,7 @@ namespace loopline::csv {
 
 Rows::Rows(ColumnMap& map, const Section& section, const std::string& path, bool second,
            std::vector<Problem>& problems)
-    : table_(path), name_(section.name) {
+    : table_(path), name_(section.name), late_ns_(static_cast<StampNs>(std::llround(section.late_s * 1e9))) {
     const bool two_files = !section.acceleration_file.empty();
     const ColumnKey* time = second && section.has("acceleration_time") ? section.column("acceleration_time")
                                                                        : section.column("time");
@@ -62,6 +62,7 @@ bool Rows::take_line() {
         if (!time) return false;
         times_ns_[i] = *time;
     }
+    times_ns_[0] -= late_ns_;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
         const auto number = number_from_text(std::string(table_.cell(columns_[i].index)));
         if (!number || !std::isfinite(*number)) return false;

@@ -54,7 +54,7 @@ class Rows {
     std::vector<StampNs> times_ns_;
     bool utc_ = false;
     std::size_t good_ = 0, left_out_ = 0, first_left_out_ = 0, backwards_ = 0;
-    StampNs latest_ns_ = 0;
+    StampNs late_ns_, latest_ns_ = 0;
 };
 
 }  // namespace loopline::csv

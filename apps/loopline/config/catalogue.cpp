@@ -15,13 +15,21 @@ Catalogue::Catalogue() : defaults_(std::make_unique<Experiment>()) {
         entries_.push_back({SectionKind::host, {table.section(), table.sentence(), {}, {}, {}}, table});
     for (const auto& name : known_modules()) add(SectionKind::module, make_module(name));
     for (const auto& name : known_map_builders()) add(SectionKind::map_builder, make_map_builder(name));
-    for (const auto& name : known_simulators()) add_scenario(make_simulator(name));
+    for (const auto& name : known_simulators()) {
+        const Simulator::Ptr simulator = make_simulator(name);
+        owners_.push_back(simulator);
+        add_sections(SectionKind::scenario, simulator->sections());
+    }
+    for (const auto& name : known_importers()) {
+        const Importer::Ptr importer = make_importer(name);
+        owners_.push_back(importer);
+        add_sections(SectionKind::import_file, importer->sections());
+    }
 }
 
-void Catalogue::add_scenario(const Simulator::Ptr& simulator) {
-    owners_.push_back(simulator);
-    for (auto& table : simulator->sections())
-        entries_.push_back({SectionKind::scenario, {table.section(), table.sentence(), {}, {}, {}}, table});
+void Catalogue::add_sections(SectionKind kind, const std::vector<ParameterTable>& tables) {
+    for (const auto& table : tables)
+        entries_.push_back({kind, {table.section(), table.sentence(), {}, {}, {}}, table});
 }
 
 void Catalogue::add(SectionKind kind, const Configurable::Ptr& owner) {
@@ -45,7 +53,8 @@ std::string describe_all_as_ini(const Catalogue& catalogue) {
     std::string text = "# Every section and key of loopline " LOOPLINE_VERSION
                        " at its default. [run] needs rawlog and modules.\n";
     for (const auto& entry : catalogue.entries())
-        if (entry.kind != SectionKind::scenario) text += "\n" + ini_section_text(entry.table);
+        if (entry.kind != SectionKind::scenario && entry.kind != SectionKind::import_file)
+            text += "\n" + ini_section_text(entry.table);
     return text;
 }
 

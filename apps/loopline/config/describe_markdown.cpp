@@ -74,7 +74,9 @@ std::string describe_all_as_markdown(const Catalogue& catalogue) {
     return introduction + group(catalogue, SectionKind::host, "Sections of the host") +
            group(catalogue, SectionKind::module, "Modules, for `[run] modules`") +
            group(catalogue, SectionKind::map_builder, "Map builders, for `[run] maps`") +
-           group(catalogue, SectionKind::scenario, "Sections of a scenario, for `loopline simulate`");
+           group(catalogue, SectionKind::scenario, "Sections of a scenario, for `loopline simulate`") +
+           group(catalogue, SectionKind::import_file,
+                 "Sections of a column map, for `loopline import csv` ([how](column-maps.md))");
 }
 
 }  // namespace loopline

@@ -109,7 +109,10 @@ std::string describe_all_as_text(const Catalogue& catalogue, std::size_t width) 
     return group(catalogue, SectionKind::module, "Modules, for [run] modules:", width) +
            group(catalogue, SectionKind::map_builder, "Map builders, for [run] maps:", width) +
            group(catalogue, SectionKind::host, "Other sections of an .ini:", width) +
-           group(catalogue, SectionKind::scenario, "Sections of a scenario, for `loopline simulate`:", width) +
+           group(catalogue, SectionKind::scenario,
+                 "Sections of a scenario, for `loopline simulate`:", width) +
+           group(catalogue, SectionKind::import_file,
+                 "Sections of a column map, for `loopline import csv`:", width) +
            wrapped(
                "`loopline describe NAME` shows the keys of one; --ini prints them as a commented .ini, "
                "--markdown as a "
@@ -119,8 +122,8 @@ std::string describe_all_as_text(const Catalogue& catalogue, std::size_t width) 
 }
 
 std::string describe_as_text(const CatalogueEntry& entry, std::size_t width) {
-    const char* kinds[] = {"section of an .ini", "module", "map builder",
-                           "section of a scenario"};
+    const char* kinds[] = {"section of an .ini", "module", "map builder", "section of a scenario",
+                           "section of a column map"};
     std::string text = wrapped("[" + entry.info.name + "], " + kinds[static_cast<int>(entry.kind)] + ": " +
                                    entry.info.sentence,
                                width, 2, 0) +

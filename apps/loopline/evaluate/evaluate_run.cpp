@@ -23,9 +23,9 @@ bool is_finite(const Pose3& pose) {
 void pair_with_truth(const Trajectory& trajectory, const EvaluationReference& reference, PosePairs& pairs) {
     const Pose3 T_base_point(Pose2{reference.truth_point_m.x(), reference.truth_point_m.y(), 0});
     const bool moved = !reference.truth_has_orientation && !reference.truth_point_m.isZero();
-    ReferencePoses truth(
-        reference.truth, max_difference_s,
-        reference.truth_has_orientation ? ReferencePoses::Kind::poses_between : ReferencePoses::Kind::positions);
+    ReferencePoses truth(reference.truth, max_difference_s,
+                         reference.truth_has_orientation ? ReferencePoses::Kind::poses_between
+                                                         : ReferencePoses::Kind::positions);
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
         const TrajectoryEntry entry = trajectory[i];
         if (!is_finite(entry.T_map_base)) continue;
