@@ -61,22 +61,20 @@ std::optional<EarthContent> earth_content(const RunRecord& record, const Evaluat
     if (reference != nullptr && reference->truth_has_orientation && reference->surveyed.earth &&
         !reference->truth.empty())
         truth.emplace(*reference, *results.earth);
-    const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(NAN);
     double way_m = 0;
     for (const TrajectoryEntry entry : record.trajectory->entries()) {
         if (!entry.T_map_base.translation_m.allFinite()) continue;
         EarthMoment moment;
         moment.p_m = entry.T_map_base.translation_m;
-        moment.error = moment.sigma = Eigen::Vector4d::Constant(NAN);
         if (!content.moments.empty()) way_m += (moment.p_m - content.moments.back().p_m).norm();
         moment.way_m = way_m;
         moment.time_s = seconds_between(record.trajectory->entries().front().stamp_ns, entry.stamp_ns);
         const auto other = results.uncorrected->path->find(entry.sequence);
-        moment.p_uncorrected_m = other ? other->T_map_base.translation_m : unknown;
+        if (other) moment.p_uncorrected_m = other->T_map_base.translation_m;
         const auto true_pose = truth ? truth->at(entry.stamp_ns) : std::nullopt;
-        moment.p_true_m = true_pose ? true_pose->translation_m : unknown;
         if (true_pose) {
             content.has_truth = true;
+            moment.p_true_m = true_pose->translation_m;
             set_error(entry, *true_pose, frame.R_enu_map(), moment);
         }
         moment.height_m = frame.geodetic(moment.p_m).height_m;
