@@ -15,8 +15,7 @@ using namespace loopline::test;
 namespace {
 
 std::vector<std::string> files_of_run(const TemporaryFolder& folder, const std::string& keys) {
-    const std::string ini =
-        folder.write("run.ini", "[run]\nrawlog = " + short_street_log("gnss") + "\n" + keys);
+    const std::string ini = folder.write("run.ini", "[run]\nrawlog = " + placed_street_log() + "\n" + keys);
     const auto result = run_loopline({"run", ini, "--out", (folder / "out").string()});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return nlohmann::json::parse(file_text(folder / "out/manifest.json"))
@@ -91,8 +90,10 @@ TEST(EarthOutputs, are_of_the_path_that_is_placed_and_of_no_other) {
                              "trajectory_without_fixes.tum", "snapshots/earth_plan.png"})
         EXPECT_FALSE(has(files, file)) << file;
     // A cloud in the frame of the odometry is no map of the Earth, though the path is.
-    const auto with_cloud = files_of_run(
-        folder, "modules = lidar_mapping cloud_map fusion\ntrajectory = fusion\n[outputs]\nreport = false\n");
+    const auto with_cloud =
+        files_of_run(folder,
+                     "modules = lidar_mapping cloud_map fusion\ntrajectory = "
+                     "fusion\n[cloud_map]\nmax_range_m = 15\n[outputs]\nsnapshots = false\nreport = false\n");
     EXPECT_TRUE(has(with_cloud, "map.cloud.las"));
     EXPECT_TRUE(has(with_cloud, "georeference.txt"));
     EXPECT_FALSE(has(with_cloud, "map.cloud_utm.las"));

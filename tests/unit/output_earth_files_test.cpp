@@ -224,7 +224,7 @@ TEST(TrajectoryFiles, are_read_by_gdal) {
     write_trajectory_kml(folder / "ellipsoid.kml", trajectory, earth);
     earth.geoid_separation_m = 48.5;
     write_trajectory_kml(folder / "sea.kml", trajectory, earth);
-    const auto expected = positions_by_gdal(folder / "t.geojson", "kind = 'trajectory'");
+    const auto expected = test::positions_by_gdal(folder / "t.geojson", "kind = 'trajectory'");
     ASSERT_EQ(expected.size(), 45u);  // cut twice
     const gnss::GeoReference reference(earth);
     const auto first = reference.geodetic(trajectory[0].T_map_base.translation_m);
@@ -233,7 +233,7 @@ TEST(TrajectoryFiles, are_read_by_gdal) {
     EXPECT_NEAR(expected[0][2], first.height_m, 1e-9);
     for (const auto& [file, lowered_m] : {std::pair("ellipsoid.kml", 0.0), std::pair("sea.kml", 48.5)})
         for (const std::string name : {"trajectory", "trajectory over time"}) {
-            const auto found = positions_by_gdal(folder / file, "Name = '" + name + "'");
+            const auto found = test::positions_by_gdal(folder / file, "Name = '" + name + "'");
             ASSERT_EQ(found.size(), expected.size()) << file << " " << name;
             for (std::size_t i = 0; i < found.size(); ++i) {
                 ASSERT_NEAR(found[i][0], expected[i][0], 1e-12);
@@ -241,7 +241,7 @@ TEST(TrajectoryFiles, are_read_by_gdal) {
                 ASSERT_NEAR(found[i][2], expected[i][2] - lowered_m, 1e-9);
             }
         }
-    const std::string summary = said_by({"ogrinfo", "-al", "-so", (folder / "t.geojson").string()});
+    const std::string summary = test::said_by({"ogrinfo", "-al", "-so", (folder / "t.geojson").string()});
     EXPECT_NE(summary.find("Extent: (-180.000000, -16."), std::string::npos) << summary;
     EXPECT_NE(summary.find("ID[\"EPSG\",4326]"), std::string::npos) << summary;
 }
