@@ -61,6 +61,8 @@ std::optional<EarthContent> earth_content(const RunRecord& record, const Evaluat
     if (reference != nullptr && reference->truth_has_orientation && reference->surveyed.earth &&
         !reference->truth.empty())
         truth.emplace(*reference, *results.earth);
+    if (record.trajectory->empty()) return std::nullopt;
+    const StampNs first_ns = (*record.trajectory)[0].stamp_ns;
     double way_m = 0;
     for (const TrajectoryEntry entry : record.trajectory->entries()) {
         if (!entry.T_map_base.translation_m.allFinite()) continue;
@@ -68,7 +70,7 @@ std::optional<EarthContent> earth_content(const RunRecord& record, const Evaluat
         moment.p_m = entry.T_map_base.translation_m;
         if (!content.moments.empty()) way_m += (moment.p_m - content.moments.back().p_m).norm();
         moment.way_m = way_m;
-        moment.time_s = seconds_between(record.trajectory->entries().front().stamp_ns, entry.stamp_ns);
+        moment.time_s = seconds_between(first_ns, entry.stamp_ns);
         const auto other = results.uncorrected->path->find(entry.sequence);
         if (other) moment.p_uncorrected_m = other->T_map_base.translation_m;
         const auto true_pose = truth ? truth->at(entry.stamp_ns) : std::nullopt;
