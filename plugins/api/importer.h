@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "api/earth_frame.h"
 #include "api/module.h"
 #include "api/pose3.h"
 #include "api/stamp.h"
@@ -20,6 +21,8 @@ class RawlogSink {
     virtual void write(const mrpt::serialization::CSerializable& object) = 0;
     /// Where the vehicle really was, if the log knows it.
     virtual void true_pose(StampNs /*stamp_ns*/, const Pose3& /*T_map_base*/) {}
+    /// Where the frame of the true poses lies on the Earth.
+    virtual void true_frame(const EarthFrame& /*frame*/) {}
     /// A sentence for the person: a damaged line that was left out, an assumption.
     virtual void warn(const std::string& sentence) = 0;
 };

@@ -31,6 +31,9 @@ struct ModuleInfo {
                 ///< is the one that its time is told per
     std::vector<std::string> uses;       ///< class names it takes when they are there
     std::vector<std::string> publishes;  ///< class names that it publishes
+    /// Labels of observations that modules after it in the chain publish, and that come back to it: after all
+    /// of the chain is done with what they are based on.
+    std::vector<std::string> takes_back = {};
 };
 
 /// One observation on its way through the chain.

@@ -1,6 +1,5 @@
 #include "fusion/earth_filter.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 namespace loopline::fusion {
@@ -9,50 +8,114 @@ using inertial::cross_matrix;
 using inertial::exp_so3;
 using inertial::log_so3;
 
-EarthState moved_by(const EarthState& state, const Vector9d& error) {
+EarthState moved_by(const EarthState& state, const StateVector& error) {
     EarthState moved = state;
     moved.T_enu_base.translation_m += error.head<3>();
     moved.T_enu_base.rotation = (exp_so3(error.segment<3>(3)) * state.T_enu_base.rotation).normalized();
-    moved.fix_error_m += error.tail<3>();
+    moved.fix_error_m += error.segment<3>(fix_errors_at);
+    moved.wheel_errors += error.segment<3>(wheel_errors_at);
     return moved;
 }
 
-Vector9d difference(const EarthState& to, const EarthState& from) {
-    Vector9d error;
+StateVector difference(const EarthState& to, const EarthState& from) {
+    StateVector error;
     error << to.T_enu_base.translation_m - from.T_enu_base.translation_m,
         log_so3(to.T_enu_base.rotation * from.T_enu_base.rotation.conjugate()),
-        to.fix_error_m - from.fix_error_m;
+        to.fix_error_m - from.fix_error_m, to.wheel_errors - from.wheel_errors;
     return error;
 }
 
-EarthState predict(const EarthState& state, const Motion& motion, double fix_correlation_s,
-                   const Eigen::Vector3d& fix_correlated_m, Matrix9d* F_out) {
-    EarthState next = state;
-    next.T_enu_base = state.T_enu_base * motion.T_from_to;
-    const double keeps = std::exp(-motion.duration_s() / fix_correlation_s);
-    next.fix_error_m *= keeps;
-
-    Matrix9d F = Matrix9d::Identity();
-    F.topLeftCorner<6, 6>() = carried_along(next.T_enu_base.translation_m - state.T_enu_base.translation_m);
-    F.bottomRightCorner<3, 3>() *= keeps;
-    const Matrix6d R = turned_both(state.T_enu_base.rotation);
-    next.covariance = F * state.covariance * F.transpose();
-    next.covariance.topLeftCorner<6, 6>() += R * motion.covariance * R.transpose();
-    next.covariance.bottomRightCorner<3, 3>().diagonal() +=
-        (1 - keeps * keeps) * fix_correlated_m.cwiseAbs2();
-    if (F_out != nullptr) *F_out = F;
-    return next;
+StateAndMotion with_odometry(const EarthState& state, const Motion& motion) {
+    StateAndMotion both{state, motion.T_from_to};
+    both.covariance.topLeftCorner<state_errors, state_errors>() = state.covariance;
+    both.covariance.bottomRightCorner<6, 6>() = motion.covariance;
+    return both;
 }
 
-EarthState with_new_fix_error(const EarthState& state, const Eigen::Vector3d& correlated_m, Matrix9d* F_out) {
-    EarthState next = state;
-    Matrix9d F = Matrix9d::Identity();
-    F.bottomRightCorner<3, 3>().setZero();
-    next.fix_error_m.setZero();
-    next.covariance = F * state.covariance * F.transpose();
-    next.covariance.bottomRightCorner<3, 3>().diagonal() = correlated_m.cwiseAbs2();
-    if (F_out != nullptr) *F_out = F;
-    return next;
+StateAndMotion with_wheels(const EarthState& state, const Twist2& told, const WheelNoise& noise) {
+    const Eigen::Matrix<double, 6, 3> J = by_wheel_errors(told, state.wheel_errors);
+    const auto P = state.covariance.middleCols<3>(wheel_errors_at);
+    StateAndMotion both{state, in_space(corrected(told, state.wheel_errors))};
+    both.covariance.topLeftCorner<state_errors, state_errors>() = state.covariance;
+    both.covariance.topRightCorner<state_errors, 6>() = P * J.transpose();
+    both.covariance.bottomLeftCorner<6, state_errors>() = J * P.transpose();
+    both.covariance.bottomRightCorner<6, 6>() =
+        J * P.middleRows<3>(wheel_errors_at) * J.transpose() + noise_of(told, noise);
+    return both;
+}
+
+WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& told,
+                                     const WheelNoise& noise) {
+    constexpr int told_rows[] = {0, 1, 5};
+    const Eigen::Vector3d& errors = both.state.wheel_errors;
+    const Pose3 T_by_wheels = in_space(corrected(told, errors));
+    Eigen::Matrix<double, 6, 1> off;
+    off << T_by_wheels.translation_m - both.T_from_to.translation_m,
+        log_so3(T_by_wheels.rotation * both.T_from_to.rotation.conjugate());
+    const Eigen::Matrix<double, 6, 3> J = by_wheel_errors(told, errors);
+    const Matrix6d R = noise_of(told, noise);
+    WheelInnovation innovation;
+    innovation.H.setZero();
+    innovation.noise.setZero();
+    for (int k = 0; k < 3; ++k) {
+        const int row = told_rows[k];
+        innovation.off[k] = off[row];
+        innovation.H.block<1, 3>(k, wheel_errors_at) = -J.row(row);
+        innovation.H(k, state_errors + row) = 1;
+        innovation.noise(k, k) = R(row, row);
+    }
+    innovation.covariance = innovation.H * both.covariance * innovation.H.transpose() + innovation.noise;
+    return innovation;
+}
+
+StateAndMotion updated(const StateAndMotion& both, const WheelInnovation& innovation) {
+    const Eigen::Matrix<double, StateAndMotion::errors, 3> PHt = both.covariance * innovation.H.transpose();
+    const Eigen::Matrix<double, StateAndMotion::errors, 3> K =
+        innovation.covariance.ldlt().solve(PHt.transpose()).transpose();
+    const Eigen::Matrix<double, StateAndMotion::errors, 1> error = K * innovation.off;
+    StateAndMotion after;
+    after.state = moved_by(both.state, error.head<state_errors>());
+    after.T_from_to.translation_m = both.T_from_to.translation_m + error.segment<3>(state_errors);
+    after.T_from_to.rotation = (exp_so3(error.tail<3>()) * both.T_from_to.rotation).normalized();
+    const StateAndMotion::Matrix left = StateAndMotion::Matrix::Identity() - K * innovation.H;
+    after.covariance = left * both.covariance * left.transpose() + K * innovation.noise * K.transpose();
+    after.state.covariance = after.covariance.topLeftCorner<state_errors, state_errors>();
+    return after;
+}
+
+Carried carry(const StateAndMotion& both, double duration_s, const FixErrorProcess& fixes,
+              const WheelNoise& wheels) {
+    const EarthState& before = both.state;
+    Carried carried{before, {}};
+    EarthState& after = carried.after;
+    after.T_enu_base = before.T_enu_base * both.T_from_to;
+    const double keeps = std::exp(-duration_s / fixes.correlation_s);
+    after.fix_error_m *= keeps;
+
+    Eigen::Matrix<double, state_errors, StateAndMotion::errors> F;
+    F.setZero();
+    F.leftCols<state_errors>().setIdentity();
+    F.topLeftCorner<6, 6>() = carried_along(after.T_enu_base.translation_m - before.T_enu_base.translation_m);
+    F.block<3, 3>(fix_errors_at, fix_errors_at) *= keeps;
+    F.topRightCorner<6, 6>() = turned_both(before.T_enu_base.rotation);
+    const Eigen::Matrix<double, StateAndMotion::errors, state_errors> PFt = both.covariance * F.transpose();
+    carried.before_and_after = PFt.topRows<state_errors>();
+    after.covariance = F * PFt;
+    after.covariance.diagonal().segment<3>(fix_errors_at) += (1 - keeps * keeps) * fixes.sigma_m.cwiseAbs2();
+    after.covariance.diagonal().segment<3>(wheel_errors_at) +=
+        both.T_from_to.translation_m.norm() / 1000 * wheels.drift_km.cwiseAbs2();
+    return carried;
+}
+
+Carried with_new_fix_error(const EarthState& state, const Eigen::Vector3d& sigma_m) {
+    Carried carried{state, state.covariance};
+    EarthState& after = carried.after;
+    after.fix_error_m.setZero();
+    after.covariance.middleCols<3>(fix_errors_at).setZero();
+    after.covariance.middleRows<3>(fix_errors_at).setZero();
+    after.covariance.diagonal().segment<3>(fix_errors_at) = sigma_m.cwiseAbs2();
+    carried.before_and_after.middleCols<3>(fix_errors_at).setZero();
+    return carried;
 }
 
 Innovation<3> innovation_of_place(const EarthState& state, const Pose3& T_base_then,
@@ -61,20 +124,24 @@ Innovation<3> innovation_of_place(const EarthState& state, const Pose3& T_base_t
     const Eigen::Vector3d arm_m = state.T_enu_base.rotation * (T_base_then * p_base_antenna_m);
     Innovation<3> innovation;
     innovation.off = p_enu_m - (state.T_enu_base.translation_m + arm_m + state.fix_error_m);
-    innovation.H << Eigen::Matrix3d::Identity(), -cross_matrix(arm_m), Eigen::Matrix3d::Identity();
+    innovation.H << Eigen::Matrix3d::Identity(), -cross_matrix(arm_m), Eigen::Matrix3d::Identity(),
+        Eigen::Matrix3d::Zero();
     innovation.covariance = innovation.H * state.covariance * innovation.H.transpose();
     innovation.covariance.diagonal() += white_m.cwiseAbs2();
     return innovation;
 }
 
 Innovation<2> innovation_of_velocity(const EarthState& state, const Pose3& T_base_then,
-                                     const Eigen::Vector3d& v_base_mps, const Eigen::Vector2d& v_enu_mps,
-                                     double sigma_mps) {
+                                     const Eigen::Vector3d& v_base_mps, bool by_wheels,
+                                     const Eigen::Vector2d& v_enu_mps, double sigma_mps) {
     const Eigen::Vector3d expected = state.T_enu_base.rotation * (T_base_then.rotation * v_base_mps);
     Innovation<2> innovation;
     innovation.off = v_enu_mps - expected.head<2>();
     innovation.H.setZero();
     innovation.H.middleCols<3>(3) = -cross_matrix(expected).topRows<2>();
+    if (by_wheels)
+        innovation.H.col(wheel_errors_at + way_scale) =
+            expected.head<2>() / (1 + state.wheel_errors[way_scale]);
     innovation.covariance = innovation.H * state.covariance * innovation.H.transpose();
     innovation.covariance.diagonal().array() += sigma_mps * sigma_mps;
     return innovation;

@@ -9,9 +9,6 @@
 namespace loopline::fusion {
 namespace {
 
-constexpr double first_sigma_m = 100;  // nothing is known
-/// The search's heading counts so many times less than it says: the filter uses the same fixes again.
-constexpr double heading_sigma_factor = 5;
 /// An odometry that has just begun to move errs by more than it says: what it goes by was seen from one
 /// place.
 constexpr double start_way_m = 3, start_sigma_m = 0.02;
@@ -22,51 +19,62 @@ constexpr double re_entry_heading_rad = 0.1;
 /// A fix so much older than the pose that is settled still serves.
 constexpr double hardly_late_s = 0.01;
 constexpr double interpolation_sigma_m = 0.003;  // of where the vehicle was between two poses
-constexpr double seen_every_m = 0.3;             // way between fixes that the heading is sought by
-constexpr std::size_t most_seen = 80;
+constexpr double one_gap_s = 5;                  // withheld fixes no farther apart are of one gap
 constexpr double no_height_sigma_m = 1e3;
 constexpr double slow_mps = 1;  // Doppler shifts tell no heading below
 
 }  // namespace
 
-const char* name_of(FixUse use) {
-    switch (use) {
-        case FixUse::used:
-            return "used";
-        case FixUse::no_position:
-            return "no_position";
-        case FixUse::before_path:
-            return "before_path";
-        case FixUse::after_path:
-            return "after_path";
-        case FixUse::late:
-            return "late";
-        case FixUse::off_the_path:
-            return "off_the_path";
-        case FixUse::heading_never_found:
-            break;
-    }
-    return "heading_never_found";
+EarthPath::EarthPath(const EarthPathSettings& settings) : settings_(settings) {
+    ahead_.covariance.diagonal().segment<3>(wheel_errors_at) = settings.wheels.first.cwiseAbs2();
 }
 
-void EarthPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance) {
-    double way_m = 0;
-    if (poses_.empty())
+Eigen::Vector3d EarthPath::wheel_error_sigmas() const {
+    return ahead_.covariance.diagonal().segment<3>(wheel_errors_at).cwiseSqrt();
+}
+
+void EarthPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance,
+                          const std::optional<Twist2>& wheels) {
+    PoseNode node{stamp_ns, T_odom_base, covariance, wheels};
+    if (!poses_.empty())
+        node.way_m = poses_.back().way_m +
+                     (T_odom_base.translation_m - poses_.back().T_odom_base.translation_m).norm();
+    take(std::move(node));
+}
+
+void EarthPath::take_wheels(StampNs stamp_ns, const Twist2& told) {
+    PoseNode node;
+    node.stamp_ns = stamp_ns;
+    node.wheels = told;
+    node.by_wheels = true;
+    if (!poses_.empty()) {
+        node.T_odom_base = poses_.back().T_odom_base * in_space(told);
+        node.way_m = poses_.back().way_m + std::hypot(told.forward_m, told.left_m);
+    }
+    take(std::move(node));
+}
+
+void EarthPath::take(PoseNode node) {
+    const StampNs stamp_ns = node.stamp_ns;
+    const bool first = poses_.empty();
+    poses_.push_back(std::move(node));
+    if (first) {
         first_ns_ = stamp_ns;
-    else
-        way_m = poses_.back().way_m +
-                (T_odom_base.translation_m - poses_.back().T_odom_base.translation_m).norm();
-    poses_.push_back({stamp_ns, T_odom_base, covariance, way_m});
-    if (committed_)
-        ahead_ = predict(ahead_, motion_to(poses() - 1), fix_sigma_.correlation_s, fix_sigma_.correlated_m);
+        ahead_.T_enu_base = poses_.back().T_odom_base;
+    } else {
+        const std::size_t number = poses() - 1;
+        const StateAndMotion both = motion_to(number, ahead_, &wheel_use_);
+        latest_motion_ = {both.T_from_to, both.of_motion()};
+        ahead_ = carry(both, duration_s(number), fix_process_, settings_.wheels).after;
+    }
     use_waiting();
     if (committed_) settle_before(stamp_ns - std::llround(1e9 * settings_.late_s));
 }
 
-void EarthPath::take_fix(const gnss::GnssFix& fix) {
+void EarthPath::take_fix(const gnss::GnssFix& fix, bool withheld) {
     if (!fix.is_usable()) return tally(fix, FixUse::no_position);
     if (!earth_) earth_.emplace(fix.antenna);
-    waiting_.push_back(fix);
+    waiting_.push_back({fix, withheld});
     use_waiting();
 }
 
@@ -74,16 +82,46 @@ std::optional<EarthState> EarthPath::latest() const {
     return committed_ ? std::optional(ahead_) : std::nullopt;
 }
 
-/// From the pose before to this one, with the drift that the odometry does not tell.
-Motion EarthPath::motion_to(std::size_t number) const {
+std::optional<PoseOnEarth> EarthPath::known() const {
+    if (!committed_) return std::nullopt;
+    return PoseOnEarth{ahead_.T_enu_base, ahead_.covariance.topLeftCorner<6, 6>()};
+}
+
+/// From the pose before to this one.
+double EarthPath::duration_s(std::size_t number) const {
+    return seconds_between(pose(number - 1).stamp_ns, pose(number).stamp_ns);
+}
+
+/// The odometry's motion with the drift that it does not tell.
+Motion EarthPath::odometry_to(std::size_t number) const {
     const PoseNode &a = pose(number - 1), &b = pose(number);
-    Motion motion{a.stamp_ns, b.stamp_ns, a.T_odom_base.inverse() * b.T_odom_base, b.covariance};
+    Motion motion{a.T_odom_base.inverse() * b.T_odom_base, b.covariance};
     const double way_m = motion.T_from_to.translation_m.norm();
     if (way_m > 0 && b.way_m < start_way_m)
         motion.covariance.diagonal().head<3>().array() += start_sigma_m * start_sigma_m;
     motion.covariance.diagonal().head<3>().array() += settings_.drift_m * settings_.drift_m * way_m;
     motion.covariance.diagonal().tail<3>().array() += settings_.drift_rad * settings_.drift_rad * way_m;
     return motion;
+}
+
+/// By all who tell of it. Wheels that say something else than the odometry have slipped.
+StateAndMotion EarthPath::motion_to(std::size_t number, const EarthState& from, WheelUse* use) const {
+    const PoseNode& node = pose(number);
+    if (node.by_wheels) return with_wheels(from, *node.wheels, settings_.wheels);
+    const StateAndMotion by_odometry = with_odometry(from, odometry_to(number));
+    if (!node.wheels) return by_odometry;
+    const WheelInnovation wheels = innovation_of_wheels(by_odometry, *node.wheels, settings_.wheels);
+    const double square = wheels.square();
+    const bool slipped = square > least_squares::chi_square_quantile(3, settings_.slip_gate);
+    if (use != nullptr) {
+        ++(slipped ? use->slipped : use->used);
+        use->sum_of_squares += slipped ? 0 : square;
+    }
+    return slipped ? by_odometry : updated(by_odometry, wheels);
+}
+
+EarthState EarthPath::predict(std::size_t number, const EarthState& from) const {
+    return carry(motion_to(number, from), duration_s(number), fix_process_, settings_.wheels).after;
 }
 
 /// The last pose that is not later.
@@ -93,21 +131,28 @@ std::size_t EarthPath::pose_before(StampNs stamp_ns) const {
     return dropped_ + static_cast<std::size_t>(after - poses_.begin()) - 1;
 }
 
-void EarthPath::tally(const gnss::GnssFix& fix, FixUse use) {
-    ++count_[static_cast<std::size_t>(use)];
-    if (tell_) tell_(fix, use);
+/// Where the odometry has the vehicle at a time from that pose on.
+Pose3 EarthPath::T_odom_at(std::size_t before, StampNs stamp_ns) const {
+    if (before + 1 >= poses()) return pose(before).T_odom_base;
+    return interpolate_se3(pose(before).T_odom_base, pose(before + 1).T_odom_base,
+                           seconds_between(pose(before).stamp_ns, stamp_ns) / duration_s(before + 1));
 }
 
 void EarthPath::use_waiting() {
-    while (!waiting_.empty() && !poses_.empty() && waiting_.front().stamp_ns <= poses_.back().stamp_ns) {
-        const gnss::GnssFix fix = waiting_.front();
+    while (!waiting_.empty() && !poses_.empty() && waiting_.front().fix.stamp_ns <= poses_.back().stamp_ns) {
+        const WaitingFix waiting = waiting_.front();
         waiting_.pop_front();
-        use(fix);
+        use(waiting);
     }
 }
 
-void EarthPath::use(const gnss::GnssFix& fix) {
+void EarthPath::use(const WaitingFix& waiting) {
+    const gnss::GnssFix& fix = waiting.fix;
     if (fix.stamp_ns < first_ns_) return tally(fix, FixUse::before_path);
+    if (waiting.withheld) {
+        if (committed_) look_at_withheld(fix);
+        return tally(fix, FixUse::withheld);
+    }
     if (!committed_) return look_for_heading(fix);
     tally(fix, apply(fix));
     look_ahead();
@@ -119,11 +164,11 @@ void EarthPath::settle_before(StampNs stamp_ns) {
 }
 
 void EarthPath::commit_next() {
-    Matrix9d F;
-    const EarthState next =
-        predict(state_, motion_to(*committed_ + 1), fix_sigma_.correlation_s, fix_sigma_.correlated_m, &F);
-    steps_.push_back(SmootherStep(*committed_, state_, next, F));
-    state_ = next;
+    const std::size_t number = *committed_ + 1;
+    const StateAndMotion both = motion_to(number, state_);
+    const Carried carried = carry(both, duration_s(number), fix_process_, settings_.wheels);
+    steps_.push_back(SmootherStep(*committed_, both.state, carried));
+    state_ = carried.after;
     ++*committed_;
     poses_.pop_front();
     ++dropped_;
@@ -132,8 +177,7 @@ void EarthPath::commit_next() {
 /// The state at the latest pose, after the one at `committed_` has changed.
 void EarthPath::look_ahead() {
     ahead_ = state_;
-    for (std::size_t number = *committed_ + 1; number < poses(); ++number)
-        ahead_ = predict(ahead_, motion_to(number), fix_sigma_.correlation_s, fix_sigma_.correlated_m);
+    for (std::size_t number = *committed_ + 1; number < poses(); ++number) ahead_ = predict(number, ahead_);
 }
 
 FixUse EarthPath::apply(const gnss::GnssFix& fix) {
@@ -152,19 +196,21 @@ FixUse EarthPath::apply(const gnss::GnssFix& fix) {
 
 /// From now on that of this kind of fix.
 void EarthPath::follow_fix_error(gnss::FixQuality quality, const SigmaOfFix& sigma) {
-    fix_sigma_ = sigma;
+    fix_process_ = {sigma.correlation_s, sigma.correlated_m};
     if (process_of(quality) == process_) return;
     process_ = process_of(quality);
-    Matrix9d F;
-    const EarthState renewed = with_new_fix_error(state_, sigma.correlated_m, &F);
-    steps_.push_back(SmootherStep(*committed_, state_, renewed, F));
-    state_ = renewed;
+    const Carried renewed = with_new_fix_error(state_, sigma.correlated_m);
+    steps_.push_back(SmootherStep(*committed_, state_, renewed));
+    state_ = renewed.after;
 }
 
 EarthPath::Moment EarthPath::moment(StampNs stamp_ns) const {
-    if (*committed_ + 1 >= poses()) return {};
-    const Motion motion = motion_to(*committed_ + 1);
-    return {motion.T_from_at(stamp_ns), log_se3(motion.T_from_to) * (1 / motion.duration_s())};
+    const std::size_t next = *committed_ + 1;
+    if (next >= poses()) return {};
+    const Pose3 T_from_to = motion_to(next, state_).T_from_to;
+    const Twist3 velocity = log_se3(T_from_to) * (1 / duration_s(next));
+    return {exp_se3(velocity * seconds_between(pose(*committed_).stamp_ns, stamp_ns)), velocity,
+            pose(next).by_wheels};
 }
 
 /// False if the fix can't be.
@@ -204,10 +250,31 @@ void EarthPath::update_velocity(const gnss::GnssFix& fix, const Moment& then) {
     if (v_base_mps.norm() < slow_mps) return;
     const Eigen::Vector2d v_enu_mps =
         *fix.speed_mps * Eigen::Vector2d(std::cos(*fix.course_rad), std::sin(*fix.course_rad));
-    const Innovation<2> velocity = innovation_of_velocity(state_, then.T_base_then, v_base_mps, v_enu_mps,
-                                                          settings_.noise.sigma_velocity_mps);
+    const Innovation<2> velocity = innovation_of_velocity(
+        state_, then.T_base_then, v_base_mps, then.by_wheels, v_enu_mps, settings_.noise.sigma_velocity_mps);
     if (velocity.square() < least_squares::chi_square_quantile(2, settings_.gate))
         state_ = updated(state_, velocity);
+}
+
+/// How far the path is from it, and how far it would be by the motion as it came since the gap began.
+void EarthPath::look_at_withheld(const gnss::GnssFix& fix) {
+    settle_before(fix.stamp_ns);
+    const Moment then = moment(fix.stamp_ns);
+    const Pose3 T_odom_then = T_odom_at(*committed_, fix.stamp_ns);
+    const double way_m = pose(*committed_).way_m + then.T_base_then.translation_m.norm();
+    if (gaps_.empty() || seconds_between(gaps_.back().to_ns, fix.stamp_ns) > one_gap_s) {
+        gaps_.push_back({fix.stamp_ns});
+        gap_start_ = {state_.T_enu_base * then.T_base_then, T_odom_then, way_m};
+    }
+    const Eigen::Vector3d p_enu_m = earth_->p_enu_m(fix.antenna);
+    const Pose3 T_enu_then = state_.T_enu_base * then.T_base_then,
+                T_enu_by_motion = gap_start_.T_enu_base * gap_start_.T_odom_base.inverse() * T_odom_then;
+    Gap& gap = gaps_.back();
+    gap.to_ns = fix.stamp_ns;
+    gap.way_m = way_m - gap_start_.way_m;
+    gap.off_m = T_enu_then * fix.p_base_antenna_m - p_enu_m;
+    gap.dead_reckoning_off_m = T_enu_by_motion * fix.p_base_antenna_m - p_enu_m;
+    gap.sigma_m = state_.covariance.diagonal().head<3>().cwiseSqrt();
 }
 
 /// No fix was used for long, and those refused since the last one are off by a way that is steady or grows
@@ -231,55 +298,16 @@ bool EarthPath::is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m) {
     return false;
 }
 
-void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
-    early_.push_back(fix);
-    const std::size_t before = pose_before(fix.stamp_ns);
-    Pose3 T_odom_then = pose(before).T_odom_base;
-    if (before + 1 < poses()) T_odom_then = T_odom_then * motion_to(before + 1).T_from_at(fix.stamp_ns);
-    const Eigen::Vector3d p_local_m = T_odom_then * fix.p_base_antenna_m;
-    if (!seen_.empty() && (p_local_m - seen_.back().p_local_m).norm() < seen_every_m) return;
-    if (seen_.size() >= most_seen) {  // every second one
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < seen_.size(); i += 2) seen_[kept++] = seen_[i];
-        seen_.resize(kept);
-    }
-    SigmaOfFix sigma = sigma_of(fix, settings_.noise);
-    for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, start_sigma_m);
-    seen_.push_back(
-        {seconds_between(first_ns_, fix.stamp_ns), p_local_m, earth_->p_enu_m(fix.antenna), sigma});
-    const auto found = find_heading(seen_);
-    if (!found || found->sigma_rad > settings_.heading_sigma_rad || found->misfit > 4) return;
-    heading_found_sigma_rad_ = found->sigma_rad;
-    heading_way_m_ = pose(before).way_m;
-    begin(found->T_enu_local);
-}
-
-/// The search gave the place to linearise at. All fixes since the first pose are used again, so the heading
-/// begins less certain than the search has it, and the place with nothing.
-void EarthPath::begin(const Pose3& T_enu_odom) {
-    state_.T_enu_base = T_enu_odom * poses_.front().T_odom_base;
-    Vector9d sigma;  // along the vehicle's axes
-    sigma << Eigen::Vector3d::Constant(first_sigma_m), settings_.sigma_roll_rad, settings_.sigma_pitch_rad,
-        heading_sigma_factor * heading_found_sigma_rad_, Eigen::Vector3d::Zero();
-    state_.covariance = sigma.cwiseAbs2().asDiagonal();
-    const Matrix6d R = turned_both(state_.T_enu_base.rotation);
-    state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
-    committed_ = 0;
-    for (const gnss::GnssFix& fix : early_) tally(fix, apply(fix));
-    early_ = {};
-    seen_ = {};
-    look_ahead();
-}
-
-std::vector<SmoothedPose> EarthPath::smoothed() {
-    for (const gnss::GnssFix& fix : waiting_) tally(fix, FixUse::after_path);
+std::vector<PoseOnEarth> EarthPath::finished() {
+    for (const WaitingFix& waiting : waiting_) tally(waiting.fix, FixUse::after_path);
     waiting_ = {};
     if (!committed_) {
         for (const gnss::GnssFix& fix : early_) tally(fix, FixUse::heading_never_found);
+        early_ = {};
         return path_of_odometry();
     }
     settle_before(poses_.back().stamp_ns);
-    std::vector<SmoothedPose> path(poses());
+    std::vector<PoseOnEarth> path(poses());
     EarthState smoothed = state_;
     path[*committed_] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};
     for (std::size_t i = steps_.size(); i-- > 0;) {
@@ -290,8 +318,8 @@ std::vector<SmoothedPose> EarthPath::smoothed() {
     return path;
 }
 
-std::vector<SmoothedPose> EarthPath::path_of_odometry() const {
-    std::vector<SmoothedPose> path;
+std::vector<PoseOnEarth> EarthPath::path_of_odometry() const {
+    std::vector<PoseOnEarth> path;
     Matrix6d covariance = Matrix6d::Zero();
     for (std::size_t number = 0; number < poses(); ++number) {
         const Pose3& T_odom_base = pose(number).T_odom_base;
@@ -299,7 +327,9 @@ std::vector<SmoothedPose> EarthPath::path_of_odometry() const {
             const Pose3& T_odom_before = pose(number - 1).T_odom_base;
             const Matrix6d F = carried_along(T_odom_base.translation_m - T_odom_before.translation_m),
                            R = turned_both(T_odom_before.rotation);
-            covariance = F * covariance * F.transpose() + R * motion_to(number).covariance * R.transpose();
+            const Matrix6d added = pose(number).by_wheels ? noise_of(*pose(number).wheels, settings_.wheels)
+                                                          : odometry_to(number).covariance;
+            covariance = F * covariance * F.transpose() + R * added * R.transpose();
         }
         path.push_back({T_odom_base, covariance});
     }

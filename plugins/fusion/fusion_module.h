@@ -1,25 +1,45 @@
-/// Module "fusion": poses of an odometry and fixes of a GNSS receiver in, the path on the Earth out.
+/// Module "fusion": poses of an odometry, of wheels or of both, and fixes of a GNSS receiver in, the path on
+/// the Earth out.
 #pragma once
 
+#include <mrpt/obs/CObservationOdometry.h>
+
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "api/module.h"
+#include "api/observation_pool.h"
 #include "api/pose3_record.h"
 #include "api/pose_observation.h"
 #include "api/set_aside.h"
 #include "fusion/earth_path.h"
+#include "fusion/paper_path.h"
+#include "fusion/wheel_path.h"
+
+namespace mrpt::obs {
+class CObservationGPS;
+}
 
 namespace loopline {
 
-/// For every pose of the odometry, from when the heading is known, it publishes the pose in the local frame
-/// of the first fix (x east, y north, z up) as CObservationRobotPose.
+/// For every pose of the odometry (of the wheels, if there is no other) it publishes
+/// - "fusion", from when the heading is known: the pose in the local frame of the first fix (x east, y north,
+///   z up), CObservationRobotPose;
+/// - "fused_odometry": the way so far by all who tell of motion, in a frame that no fix ever moves,
+///   CObservationRobotPose;
+/// and for every pose of the wheels
+/// - "calibrated_wheels": their way without the errors that last, CObservationOdometry, at once, so that a
+///   module that matches scans can begin there; what that finds may come back as the odometry.
 class FusionModule : public Module {
     DEFINE_MRPT_OBJECT(FusionModule, loopline)
  public:
-    static constexpr const char* published_label = "fusion";
+    static constexpr const char *published_label = "fusion", *odometry_label = "fused_odometry",
+                                *wheels_label = "calibrated_wheels";
 
     ModuleInfo info() const override;
     ParameterTable parameters() override;
+    std::string check() const override;
     void start(const RunContext&) override;
     void process(const StreamItem& item, Publisher& publisher) override;
     void finish(Results& results) override;
@@ -38,17 +58,36 @@ class FusionModule : public Module {
         Pose3Record T_enu_base, T_odom_base;
         bool known = false;
     };
+    void take_fix(const mrpt::obs::CObservationGPS& gps, StampNs stamp_ns);
+    bool is_withheld(StampNs stamp_ns) const;
     void take_pose(const StreamItem& item, const PoseWithCovariance& pose, Publisher& publisher);
+    void take_wheels(const StreamItem& item, const Pose2& T_odom_base, Publisher& publisher);
+    void publish(const StreamItem& item, const Pose3& T_odom_base, Publisher& publisher);
+    void publish_calibrated(const StreamItem& item, const Twist2& told, Publisher& publisher);
     void keep_fix(const gnss::GnssFix& fix, fusion::FixUse use);
     void report(Results& results) const;
     void hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const;
+    void report_wheels(Results& results) const;
+    void report_gaps(Results& results) const;
 
+    enum class Filter { error_state, paper };
+    Filter filter_ = Filter::error_state;
+    fusion::Sync sync_ = fusion::Sync::interpolate;
     fusion::EarthPathSettings settings_;
-    std::string motion_label_ = "lidar_mapping", receiver_label_;
+    fusion::PaperSettings paper_settings_;
+    std::string motion_label_ = "lidar_mapping", told_wheels_label_, receiver_label_;
+    double latency_s_ = 0, withhold_s_ = 0, withhold_every_s_ = 300;
 
-    std::unique_ptr<fusion::EarthPath> path_;
+    std::unique_ptr<fusion::FusedPath> path_;
+    fusion::EarthPath* error_state_ = nullptr;  ///< which is path_, or null
+    fusion::PaperPath* paper_ = nullptr;        ///< the same
     std::optional<PoseWithCovariance> last_;
-    StampNs last_ns_ = 0;
+    StampNs last_ns_ = 0, first_ns_ = 0;
+    fusion::WheelPath wheel_path_;
+    std::optional<Pose2> last_wheels_;
+    Pose2 T_odom_calibrated_;  ///< wheels without the errors that last
+    PoseWithCovariance fused_odometry_;
+    ObservationPool<mrpt::obs::CObservationOdometry> calibrated_pool_;
     SetAside<Online> online_;
     SetAside<PlacedFix> fixes_;                 ///< all with a place, as their fate was known
     std::optional<double> geoid_separation_m_;  ///< of the first of them

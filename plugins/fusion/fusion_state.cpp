@@ -9,6 +9,11 @@ void fields(Archive& archive, PoseWithCovariance& pose) {
     archive(pose.T_map_base, pose.covariance);
 }
 
+template <class Archive>
+void fields(Archive& archive, Twist2& twist) {
+    archive(twist.forward_m, twist.left_m, twist.turn_rad);
+}
+
 namespace gnss {
 
 template <class Archive>
@@ -28,6 +33,32 @@ void fields(Archive& archive, GnssFix& fix) {
 namespace fusion {
 
 template <class Archive>
+void fields(Archive& archive, Motion& motion) {
+    archive(motion.T_from_to, motion.covariance);
+}
+
+template <class Archive>
+void fields(Archive& archive, FixErrorProcess& process) {
+    archive(process.correlation_s, process.sigma_m);
+}
+
+template <class Archive>
+void fields(Archive& archive, WheelUse& use) {
+    archive(use.used, use.slipped, use.sum_of_squares);
+}
+
+template <class Archive>
+void fields(Archive& archive, Gap& gap) {
+    archive(gap.from_ns, gap.to_ns, gap.way_m, gap.off_m, gap.dead_reckoning_off_m, gap.sigma_m);
+}
+
+template <class Archive>
+void fields(Archive& archive, WheelPath& path) {
+    archive.each(path.samples_,
+                 [](Archive& a, WheelPath::Sample& sample) { a(sample.stamp_ns, sample.T_odom_base); });
+}
+
+template <class Archive>
 void fields(Archive& archive, SigmaOfFix& sigma) {
     archive(sigma.white_m, sigma.correlated_m, sigma.correlation_s);
 }
@@ -39,37 +70,70 @@ void fields(Archive& archive, SeenFix& fix) {
 
 template <class Archive>
 void fields(Archive& archive, EarthState& state) {
-    archive(state.T_enu_base, state.fix_error_m, state.covariance);
+    archive(state.T_enu_base, state.fix_error_m, state.wheel_errors, state.covariance);
+}
+
+template <class Archive>
+void fields(Archive& archive, HeadingStart& start) {
+    archive(start.seen_);
+}
+
+template <class Archive>
+void common(Archive& archive, std::optional<gnss::LocalFrame>& earth, HeadingFound& heading,
+            std::array<std::size_t, fix_uses>& uses, WheelUse& wheels) {
+    std::optional<gnss::Geodetic> origin;
+    if (earth) origin = earth->origin();
+    archive(origin);
+    if (Archive::reading && origin) earth.emplace(*origin);
+    archive(heading.way_m, heading.sigma_rad, wheels);
+    for (auto& count : uses) archive(count);
 }
 
 template <class Archive>
 void fields(Archive& archive, EarthPath& path) {
-    std::optional<gnss::Geodetic> origin;
-    if (path.earth_) origin = path.earth_->origin();
-    archive(origin);
-    if (Archive::reading && origin) path.earth_.emplace(*origin);
+    common(archive, path.earth_, path.heading_, path.count_, path.wheel_use_);
     archive(path.dropped_, path.first_ns_);
     archive.each(path.poses_, [](Archive& a, EarthPath::PoseNode& node) {
-        a(node.stamp_ns, node.T_odom_base, node.covariance, node.way_m);
+        a(node.stamp_ns, node.T_odom_base, node.covariance, node.wheels, node.by_wheels, node.way_m);
     });
-    archive(path.waiting_, path.early_, path.seen_);
+    archive.each(path.waiting_, [](Archive& a, EarthPath::WaitingFix& w) { a(w.fix, w.withheld); });
+    archive(path.early_, path.start_);
     std::optional<std::uint64_t> committed = path.committed_;
     archive(committed);
     if (Archive::reading && committed) path.committed_ = *committed;
-    archive(path.state_, path.ahead_, path.fix_sigma_, path.process_);
+    archive(path.state_, path.ahead_, path.latest_motion_, path.fix_process_, path.process_);
     archive.each(path.misfits_,
                  [](Archive& a, EarthPath::Misfit& misfit) { a(misfit.stamp_ns, misfit.off_m); });
     archive(path.used_ns_, path.steps_);
-    for (auto& count : path.count_) archive(count);
-    archive(path.sum_of_squares_, path.squares_, path.re_entries_, path.heading_way_m_,
-            path.heading_found_sigma_rad_);
+    archive(path.gaps_, path.gap_start_.T_enu_base, path.gap_start_.T_odom_base, path.gap_start_.way_m);
+    archive(path.sum_of_squares_, path.squares_, path.re_entries_);
+}
+
+template <class Archive>
+void fields(Archive& archive, PaperFilter& filter) {
+    archive(filter.s_, filter.P_);
+}
+
+template <class Archive>
+void fields(Archive& archive, PaperPath& path) {
+    common(archive, path.earth_, path.heading_, path.count_, path.wheel_use_);
+    archive.each(path.frames_, [](Archive& a, PaperPath::Frame& frame) {
+        a(frame.stamp_ns, frame.T_odom_base, frame.wheels);
+    });
+    archive(path.first_ns_, path.way_m_, path.waiting_, path.start_, path.early_, path.begun_);
+    for (PaperPath::Step* step : {&path.step_, &path.ahead_})
+        archive(step->filter, step->way_m, step->turn_rad);
+    archive(path.fused_, path.done_);
 }
 
 }  // namespace fusion
 
 template <class Archive>
 void fields(Archive& archive, FusionModule& m) {
-    archive(*m.path_, m.last_, m.last_ns_, m.online_, m.backwards_, m.fixes_, m.geoid_separation_m_);
+    if (m.paper_ != nullptr) archive(*m.paper_);
+    if (m.error_state_ != nullptr) archive(*m.error_state_);
+    archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
+            m.fused_odometry_, m.online_, m.backwards_, m.fixes_, m.geoid_separation_m_);
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {

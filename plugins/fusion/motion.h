@@ -2,22 +2,16 @@
 /// error of a pose.
 #pragma once
 
+#include "api/pose3.h"
 #include "api/pose3_motion.h"
 #include "inertial/rotation_vector.h"
 
 namespace loopline::fusion {
 
 struct Motion {
-    StampNs from_ns = 0, to_ns = 0;
     Pose3 T_from_to;
     /// Of (shift, turn) of T_from_to, along the vehicle's axes at `from`, about the vehicle at `to`.
     Matrix6d covariance = Matrix6d::Zero();
-
-    double duration_s() const { return seconds_between(from_ns, to_ns); }
-    /// The vehicle at a time within it, seen from where it was at its beginning: constant twist.
-    Pose3 T_from_at(StampNs stamp_ns) const {
-        return interpolate_se3({}, T_from_to, seconds_between(from_ns, stamp_ns) / duration_s());
-    }
 };
 
 /// Turns (shift, turn) from the vehicle's axes to those that it stands in.

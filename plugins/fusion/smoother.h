@@ -10,22 +10,26 @@
 
 namespace loopline::fusion {
 
-/// One step of the filter as it lies on disk: where it was, by all fixes up to then, and where that led.
-struct SmootherStep {
-    std::uint64_t pose = 0;  ///< number of the pose that it starts from
-    Pose3Record before, after;
-    std::array<double, 3> fix_error_before{}, fix_error_after{};
-    std::array<double, 81> covariance_before{}, covariance_after{}, F{};
+/// A state as it lies on disk.
+struct EarthStateRecord {
+    Pose3Record T_enu_base;
+    std::array<double, 3> fix_error_m{}, wheel_errors{};
+    std::array<double, state_errors*(state_errors + 1) / 2>
+        covariance{};  ///< upper triangle, column by column
 
-    SmootherStep() = default;
-    SmootherStep(std::size_t pose, const EarthState& before, const EarthState& after, const Matrix9d& F);
-    EarthState state_before() const;
-    EarthState state_after() const;
+    EarthStateRecord() = default;
+    explicit EarthStateRecord(const EarthState& state);
+    EarthState state() const;
 };
 
-struct SmoothedPose {
-    Pose3 T_enu_base;
-    Matrix6d covariance = Matrix6d::Zero();  ///< of (shift, turn) along ENU, about the vehicle
+/// One step of the filter: where it was, by all fixes up to then, and where that led.
+struct SmootherStep {
+    std::uint64_t pose = 0;  ///< number of the pose that it starts from
+    EarthStateRecord before, after;
+    std::array<double, state_errors * state_errors> before_and_after{};
+
+    SmootherStep() = default;
+    SmootherStep(std::size_t from_pose, const EarthState& before, const Carried& carried);
 };
 
 /// One step back: the state before it, given all that was said of the one after it.

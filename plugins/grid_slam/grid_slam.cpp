@@ -234,37 +234,54 @@ Pose2 GridSlam::correct_by_going_back(const Constraint& closing) {
     }
     const PassResult fused = fuse(forward, reverse, settings_.weights);
 
-    std::vector<Pose2> before = map_.poses, after = map_.poses;
+    const std::vector<Pose2> before = map_.poses;
+    std::vector<Pose2> after = map_.poses;
     std::copy(fused.poses.begin(), fused.poses.end(), after.begin() + loop.first);
     const Pose2 T_new_old = take_poses(std::move(after));
-    record_correction(std::move(before), closing);
-    corrections_.back().reverse_first = loop.first;
-    corrections_.back().reverse = std::move(reverse.poses);
+    record_correction(before, closing, reverse);
     return T_new_old;
 }
 
 /// Poses are kept of the corrections that moved the vehicle most: those are looked at.
-void GridSlam::record_correction(std::vector<Pose2> before, const Constraint& loop) {
-    constexpr std::size_t most = 12;
+void GridSlam::record_correction(const std::vector<Pose2>& before, const Constraint& loop,
+                                 const PassResult& reverse) {
+    constexpr std::ptrdiff_t most = 12;
     Correction correction;
     correction.stamp_ns = stamp_ns_;
     correction.old_frame = loop.from;
     correction.frame = loop.to;
     correction.T_before_after = before[loop.to].inverse() * map_.poses[loop.to];
-    correction.before = std::move(before);
-    correction.after.assign(map_.poses.begin(),
-                            map_.poses.begin() + static_cast<std::ptrdiff_t>(correction.before.size()));
-    corrections_.push_back(std::move(correction));
+    correction.reverse_first = reverse.poses.empty() ? 0 : loop.from;
+    const auto moves_m = [](const Correction& c) { return c.T_before_after.translation().norm(); };
+
     const auto kept = std::count_if(corrections_.begin(), corrections_.end(),
-                                    [](const Correction& c) { return !c.before.empty(); });
-    if (static_cast<std::size_t>(kept) <= most) return;
-    auto least = corrections_.end();
-    for (auto c = corrections_.begin(); c != corrections_.end(); ++c)
-        if (!c->before.empty() &&
-            (least == corrections_.end() ||
-             c->T_before_after.translation().norm() < least->T_before_after.translation().norm()))
-            least = c;
-    least->before = least->after = least->reverse = {};
+                                    [](const Correction& c) { return c.before.count > 0; });
+    Correction* least = nullptr;
+    if (kept >= most)
+        for (Correction& c : corrections_)
+            if (c.before.count > 0 && (least == nullptr || moves_m(c) < moves_m(*least))) least = &c;
+    if (least == nullptr || moves_m(*least) <= moves_m(correction)) {
+        if (least != nullptr) least->before = least->after = least->reverse = {};
+        correction.before = set_aside(before);
+        correction.after =
+            set_aside({map_.poses.begin(), map_.poses.begin() + static_cast<std::ptrdiff_t>(before.size())});
+        correction.reverse = set_aside(reverse.poses);
+    }
+    corrections_.push_back(correction);
+}
+
+PosesAside GridSlam::set_aside(const std::vector<Pose2>& poses) {
+    const PosesAside part{correction_poses_.size(), poses.size()};
+    for (const Pose2& T_map_base : poses) correction_poses_.push_back(T_map_base);
+    return part;
+}
+
+std::vector<Pose2> GridSlam::poses_of(const PosesAside& part) const {
+    std::vector<Pose2> poses;
+    poses.reserve(part.count);
+    correction_poses_.for_each(part.first, part.first + part.count,
+                               [&poses](const Pose2& T_map_base) { poses.push_back(T_map_base); });
+    return poses;
 }
 
 bool GridSlam::is_worth_correcting(const Constraint& constraint) const {
@@ -293,9 +310,9 @@ std::optional<Pose2> GridSlam::advance() {
 Pose2 GridSlam::apply_correction() {
     Pose2 T_new_old;
     if (correction_->good()) {
-        std::vector<Pose2> before = map_.poses;
+        const std::vector<Pose2> before = map_.poses;
         T_new_old = take_poses(correction_->poses());
-        record_correction(std::move(before), loop_);
+        record_correction(before, loop_);
     }
     correction_.reset();
     if (!relink_after_) return T_new_old;

@@ -49,14 +49,19 @@ struct ScanPose {
     Pose2 T_map_base;    ///< as known after it
 };
 
+/// A part of a list of poses that lie on disk.
+struct PosesAside {
+    std::uint64_t first = 0, count = 0;
+};
+
 /// What a correction did, to show it.
 struct Correction {
     StampNs stamp_ns = 0;                    ///< of the scan at which it took effect
     std::uint32_t old_frame = 0, frame = 0;  ///< that the loop joins
-    std::vector<Pose2> before, after;  ///< poses of all frames; empty where others moved the vehicle more
+    PosesAside before, after;  ///< poses of all frames; none where others moved the vehicle more
     std::uint32_t reverse_first = 0;
-    std::vector<Pose2> reverse;  ///< of the frames from reverse_first on; none where no reverse pass was made
-    Pose2 T_before_after;        ///< of the later frame
+    PosesAside reverse;    ///< of the frames from reverse_first on; none where no reverse pass was made
+    Pose2 T_before_after;  ///< of the later frame
 };
 
 class GridSlam {
@@ -67,6 +72,7 @@ class GridSlam {
     void keep_in(const std::filesystem::path& folder) {
         places_.keep_in(folder, "grid_slam_places");
         map_.frames.keep_in(folder);
+        correction_poses_.keep_in(folder, "grid_slam_corrections");
     }
 
     /// Before each scan: closes the loop that was found with the one before, or goes on with a correction
@@ -98,6 +104,7 @@ class GridSlam {
     bool loop_at_hand_is_refused() const;
     const LoopDecisions& decisions() const { return decisions_; }
     const std::vector<Correction>& corrections() const { return corrections_; }
+    std::vector<Pose2> poses_of(const PosesAside& part) const;
     /// For weights other than `joint`: what leads from frame to frame on the way back. Outlives this object,
     /// or is replaced.
     void set_reverse_navigation(ReverseNavigation* navigation) { reverse_navigation_ = navigation; }
@@ -128,7 +135,9 @@ class GridSlam {
     void look_for_loop();
     std::optional<Pose2> close_loop();
     Pose2 correct_by_going_back(const Constraint& loop);
-    void record_correction(std::vector<Pose2> before, const Constraint& loop);
+    void record_correction(const std::vector<Pose2>& before, const Constraint& loop,
+                           const PassResult& reverse = {});
+    PosesAside set_aside(const std::vector<Pose2>& poses);
     bool is_worth_correcting(const Constraint& constraint) const;
     void begin_correction();
     Pose2 apply_correction();
@@ -157,6 +166,7 @@ class GridSlam {
     StampNs stamp_ns_ = 0;     ///< of the scan at hand
     Motion since_last_frame_;  ///< since the latest frame was made
     std::vector<Correction> corrections_;
+    SetAside<Pose2> correction_poses_;  ///< of all of them
     ReverseNavigation* reverse_navigation_ = nullptr;
     std::uint64_t unmatched_ = 0, degenerate_ = 0, motions_refused_ = 0;
     std::vector<Eigen::Matrix3d> frame_covariances_;  ///< after finish()

@@ -116,9 +116,10 @@ void GridSlamModule::report_loops(Results& results) const {
     results.metrics["loops_found"] = accepted;
     results.metrics["loops_refused"] = refused;
     for (const Correction& c : slam_->corrections())
-        if (!c.before.empty())
-            results.corrections.push_back({c.stamp_ns, c.old_frame, c.frame, c.T_before_after, c.before,
-                                           c.after, c.reverse_first, c.reverse});
+        if (c.before.count > 0)
+            results.corrections.push_back({c.stamp_ns, c.old_frame, c.frame, c.T_before_after,
+                                           slam_->poses_of(c.before), slam_->poses_of(c.after),
+                                           c.reverse_first, slam_->poses_of(c.reverse)});
     PoseGraph graph;
     graph.poses = slam_->map().poses;
     graph.constraints.reserve(slam_->constraints().size());

@@ -4,7 +4,7 @@
 
 namespace loopline {
 namespace {
-constexpr std::uint32_t form_version = 5;
+constexpr std::uint32_t form_version = 6;
 }
 
 namespace grid_slam {
@@ -17,6 +17,11 @@ void fields(Archive& archive, FrameList& frames) {
 template <class Archive>
 void fields(Archive& archive, MapFrames& map) {
     archive(map.frames, map.poses, map.path_m, map.scans, map.stamps_ns, map.motions);
+}
+
+template <class Archive>
+void fields(Archive& archive, PosesAside& part) {
+    archive(part.first, part.count);
 }
 
 template <class Archive>
@@ -100,6 +105,7 @@ void fields(Archive& archive, GridSlam& slam) {
     std::uint64_t correction_frames = slam.correction_frames_;
     archive(correction_frames, slam.relink_after_, slam.loop_, slam.unmatched_, slam.degenerate_,
             slam.motions_refused_);
+    archive(slam.correction_poses_);
     archive.each(slam.corrections_, [](auto& a, auto& c) {
         a(c.stamp_ns, c.old_frame, c.frame, c.before, c.after, c.reverse_first, c.reverse, c.T_before_after);
     });

@@ -19,9 +19,12 @@ using Journal = std::vector<std::string>;
 class Scribe : public Module {
  public:
     Scribe() = default;
-    Scribe(std::string name, Journal& journal, int publications)
-        : name_(std::move(name)), journal_(&journal), publications_(publications) {}
-    ModuleInfo info() const override { return {name_, "", {}, {}, {}}; }
+    Scribe(std::string name, Journal& journal, int publications, std::vector<std::string> takes_back = {})
+        : name_(std::move(name)),
+          journal_(&journal),
+          publications_(publications),
+          takes_back_(std::move(takes_back)) {}
+    ModuleInfo info() const override { return {name_, "", {}, {}, {}, takes_back_}; }
     ParameterTable parameters() override { return {name_, ""}; }
     void process(const StreamItem& item, Publisher& publisher) override {
         note(item.observation->sensorLabel + "@" + std::to_string(item.sequence));
@@ -43,6 +46,7 @@ class Scribe : public Module {
     std::string name_;
     Journal* journal_ = nullptr;
     int publications_ = 0;
+    std::vector<std::string> takes_back_;
 };
 
 StreamItem item_of(std::uint64_t sequence, const std::string& label) {
@@ -64,6 +68,25 @@ TEST(ModuleChain, each_module_sees_an_item_and_then_what_was_published_on_it) {
     EXPECT_EQ(chain.timings()[0].calls, 1u);
     EXPECT_EQ(chain.timings()[2].calls, 4u);
     EXPECT_GE(chain.timings()[2].total_ms, chain.timings()[2].worst_ms);
+}
+
+TEST(ModuleChain, what_is_asked_back_comes_when_the_item_has_passed_and_only_once) {
+    Journal journal;
+    ModuleChain chain({std::make_shared<Scribe>("a", journal, 1, Journal{"x.b", "x.b.a.b", "late.b"}),
+                       std::make_shared<Scribe>("b", journal, 1), std::make_shared<Scribe>("c", journal, 0)});
+    chain.process(item_of(7, "x"));
+    EXPECT_EQ(journal, (Journal{"a:x@7", "b:x@7", "b:x.a@7", "c:x@7", "c:x.b@7", "c:x.a@7", "c:x.a.b@7",
+                                "a:x.b@7", "b:x.b.a@7", "c:x.b.a@7", "c:x.b.a.b@7"}));
+    journal.clear();
+    chain.process(item_of(8, "y"));
+    EXPECT_EQ(journal.size(), 7U) << "nothing is left over";
+    journal.clear();
+    Results results;
+    chain.finish(results);
+    EXPECT_EQ(journal,
+              (Journal{"a:drain", "b:late.a@3", "c:late.a@3", "c:late.a.b@3", "b:drain", "c:late.b@3",
+                       "a:late.b@3", "b:late.b.a@3", "c:late.b.a@3", "c:late.b.a.b@3", "c:drain", "a:finish",
+                       "b:finish", "c:finish"}));
 }
 
 TEST(ModuleChain, drains_in_chain_order_then_finishes) {

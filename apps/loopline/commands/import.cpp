@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "api/trajectory.h"
 #include "config/did_you_mean.h"
 #include "config/ini_text.h"
 #include "config/plugin_loader.h"
+#include "output/output_file.h"
 #include "output/rawlog_file.h"
 #include "output/tum.h"
 
@@ -33,19 +35,38 @@ class ImportSink : public RawlogSink {
     void true_pose(StampNs stamp_ns, const Pose3& T_map_base) override {
         truth_.append(truth_.size(), stamp_ns, T_map_base, Matrix6d::Zero());
     }
+    void true_frame(const EarthFrame& frame) override { frame_ = frame; }
     void warn(const std::string& sentence) override { std::cerr << "loopline: " << sentence << '\n'; }
-    const Trajectory& truth() const { return truth_; }
+
+    /// F.truth.tum, and F.truth.csv with the place of its frame, as the simulator writes them.
+    void write_truth(const fs::path& rawlog) const {
+        if (truth_.size() == 0) return;
+        write_tum(fs::path(rawlog).replace_extension(".truth.tum"), truth_, Estimate::latest);
+        if (!frame_) return;
+        OutputFile csv(fs::path(rawlog).replace_extension(".truth.csv"));
+        csv.text("kind,number,x_m,y_m,x2_m,y2_m,bottom_m,top_m\ngeoreference,0,")
+            .number(frame_->latitude_deg)
+            .text(",")
+            .number(frame_->longitude_deg)
+            .text(",")
+            .number(frame_->height_m)
+            .text(",")
+            .number(frame_->heading_deg)
+            .text("\n");
+        csv.commit();
+    }
 
  private:
     RawlogFile& rawlog_;
     Trajectory truth_;
+    std::optional<EarthFrame> frame_;
 };
 
 class ImportCommand : public Command {
  public:
     std::string name() const override { return "import"; }
     std::string sentence() const override {
-        return "Turns logs of other programs into rawlogs: carmen, kitti, nmea";
+        return "Turns logs of other programs into rawlogs: carmen, csv, kitti, nmea";
     }
 
     void declare(CLI::App& app) override {
@@ -74,8 +95,7 @@ class ImportCommand : public Command {
         ImportSink sink(rawlog);
         try {
             const std::string summary = chosen_->import(inputs_, sink);
-            if (sink.truth().size() > 0)
-                write_tum(fs::path(out_).replace_extension(".truth.tum"), sink.truth(), Estimate::latest);
+            sink.write_truth(out_);
             rawlog.commit();
             std::cout << out_ << ": " << summary << '\n';
         } catch (const CommandError&) {

@@ -19,12 +19,22 @@ constexpr double max_bridge = 10;  // of interpolation, over the greatest differ
 /// The position at `stamp_ns`, which lies between a and b, as far as neither is too far away; else that of
 /// the nearest.
 Pose3 position_between(const StampedPose& a, const StampedPose& b, StampNs stamp_ns, double max_bridge_s) {
-    const double before_s = seconds_between(a.stamp_ns, stamp_ns), after_s = seconds_between(stamp_ns, b.stamp_ns);
+    const double before_s = seconds_between(a.stamp_ns, stamp_ns),
+                 after_s = seconds_between(stamp_ns, b.stamp_ns);
     if (before_s > max_bridge_s || after_s > max_bridge_s || before_s + after_s <= 0)
         return before_s <= after_s ? a.T_map_base : b.T_map_base;
     Pose3 pose = a.T_map_base;
-    pose.translation_m += before_s / (before_s + after_s) * (b.T_map_base.translation_m - a.T_map_base.translation_m);
+    pose.translation_m +=
+        before_s / (before_s + after_s) * (b.T_map_base.translation_m - a.T_map_base.translation_m);
     return pose;
+}
+
+/// On the straight line and the shortest turn from a to b, if `stamp_ns` lies between them.
+Pose3 pose_between(const StampedPose& a, const StampedPose& b, StampNs stamp_ns) {
+    const double whole_s = seconds_between(a.stamp_ns, b.stamp_ns),
+                 part = seconds_between(a.stamp_ns, stamp_ns) / whole_s;
+    return {a.T_map_base.translation_m + part * (b.T_map_base.translation_m - a.T_map_base.translation_m),
+            a.T_map_base.rotation.slerp(part, b.T_map_base.rotation)};
 }
 
 std::vector<PosePair> associate(const std::vector<StampedPose>& estimate,
@@ -67,7 +77,10 @@ std::optional<Pose3> ReferencePoses::at(StampNs stamp_ns) {
     };
     const StampedPose& nearest = difference_s(previous) <= difference_s(next) ? previous : next;
     if (!(difference_s(nearest) <= max_difference_s_)) return std::nullopt;
-    if (kind_ == Kind::poses) return nearest.T_map_base;
+    if (kind_ == Kind::poses_between && previous.stamp_ns < stamp_ns && stamp_ns < next.stamp_ns &&
+        difference_s(previous) <= max_difference_s_ && difference_s(next) <= max_difference_s_)
+        return pose_between(previous, next, stamp_ns);
+    if (kind_ != Kind::positions) return nearest.T_map_base;
     return position_between(previous, next, stamp_ns, max_bridge * max_difference_s_);
 }
 
@@ -77,7 +90,8 @@ std::vector<PosePair> associate_by_stamp(const std::vector<StampedPose>& estimat
 }
 
 std::vector<PosePair> associate_positions(const std::vector<StampedPose>& estimate,
-                                          const std::vector<StampedPose>& reference, double max_difference_s) {
+                                          const std::vector<StampedPose>& reference,
+                                          double max_difference_s) {
     return associate(estimate, reference, max_difference_s, ReferencePoses::Kind::positions);
 }
 

@@ -34,7 +34,12 @@ std::vector<PosePair> associate_positions(const std::vector<StampedPose>& estima
 /// What the two above look up: the reference at one time after the other, quick for times in order.
 class ReferencePoses {
  public:
-    enum class Kind { poses, positions };
+    enum class Kind {
+        poses,          ///< that whose stamp is nearest
+        poses_between,  ///< interpolated between the two around the time, if both are near enough to it; else
+                        ///< the nearest
+        positions       ///< positions, interpolated over up to ten times that difference
+    };
     /// `reference` outlives this.
     ReferencePoses(const StampedPath& reference, double max_difference_s, Kind kind);
     std::optional<Pose3> at(StampNs stamp_ns);

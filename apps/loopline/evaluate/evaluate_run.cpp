@@ -25,7 +25,7 @@ void pair_with_truth(const Trajectory& trajectory, const EvaluationReference& re
     const bool moved = !reference.truth_has_orientation && !reference.truth_point_m.isZero();
     ReferencePoses truth(
         reference.truth, max_difference_s,
-        reference.truth_has_orientation ? ReferencePoses::Kind::poses : ReferencePoses::Kind::positions);
+        reference.truth_has_orientation ? ReferencePoses::Kind::poses_between : ReferencePoses::Kind::positions);
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
         const TrajectoryEntry entry = trajectory[i];
         if (!is_finite(entry.T_map_base)) continue;

@@ -11,6 +11,7 @@
 #include "api/observation_class.h"
 #include "api/set_aside.h"
 #include "commands/command.h"
+#include "evaluate/fix_errors.h"
 #include "pipeline/checkpoints.h"
 #include "pipeline/log_source.h"
 #include "pipeline/module_chain.h"
@@ -182,6 +183,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
         return attempt.rules.state != nullptr && attempt.rules.state->stop_requested;
     };
     const auto points = watched_points(setup);
+    const auto fix_errors = FixErrors::against(setup.reference);
     SetAside<std::uint64_t> scan_sequences;
     scan_sequences.keep_unseen_in(scratch_folder);
     std::uint64_t items = 0;
@@ -194,6 +196,9 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
         if (points)
             if (const auto* scan = as<mrpt::obs::CObservation2DRangeScan>(item.observation.get()))
                 points->take(*scan, item.stamp_ns, item.sequence);
+        if (fix_errors)
+            if (const auto* gps = as<mrpt::obs::CObservationGPS>(item.observation.get()))
+                fix_errors->take(*gps, item.stamp_ns);
         progress.tick(source);
         if (items < checkpoints.resumed_at()) continue;
         chain.process(std::move(item));
@@ -213,6 +218,7 @@ std::uint64_t estimate_pass(const RunSetup& setup, const Attempt& attempt, RunRe
     }
     if (interrupted) record.can_resume = checkpoints.write(items);
     chain.finish(record.results);
+    if (fix_errors) record.results.metrics.merge(fix_errors->metrics());
 
     choose_trajectories(experiment, record);
     keep_place_of_trajectory(record);

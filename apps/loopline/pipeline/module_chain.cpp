@@ -37,8 +37,11 @@ ModuleChain::ModuleChain(const std::vector<Module::Ptr>& modules, WorkerState* s
       earlier_timings_(modules.size()),
       state_(state),
       listener_(std::move(listener)) {
-    for (const auto& module : modules_)
-        interests_.emplace_back(module->info(), dynamic_cast<const TimedPer*>(module.get()));
+    for (const auto& module : modules_) {
+        const ModuleInfo info = module->info();
+        interests_.emplace_back(info, dynamic_cast<const TimedPer*>(module.get()));
+        takes_back_.push_back(info.takes_back);
+    }
 }
 
 void ModuleChain::start(const RunContext& context) {
@@ -50,6 +53,30 @@ void ModuleChain::process(StreamItem item) {
     items_.clear();
     items_.push_back(std::move(item));
     flow(0, sequence);
+    give_back(sequence);
+}
+
+/// Of what `module` has just published.
+void ModuleChain::keep_for_earlier(std::size_t module) {
+    for (std::size_t i = 0; i < module; ++i)
+        for (const std::string& label : takes_back_[i])
+            for (const StreamItem& item : published_)
+                if (item.observation->sensorLabel == label) to_give_back_.emplace_back(i, item);
+}
+
+void ModuleChain::give_back(std::uint64_t root_sequence) {
+    if (to_give_back_.empty()) return;
+    const auto items = std::move(to_give_back_);
+    to_give_back_.clear();
+    gives_back_ = true;
+    for (const auto& [module, item] : items) {
+        items_.clear();
+        items_.push_back(item);
+        flow(module, root_sequence, module + 1);
+        items_.erase(items_.begin());  // which the others have seen
+        flow(module + 1, root_sequence);
+    }
+    gives_back_ = false;
 }
 
 /// Moves what was published to `place` of the items; returns how much it was.
@@ -64,9 +91,9 @@ std::size_t ModuleChain::insert_published(std::size_t place) {
     return count;
 }
 
-void ModuleChain::flow(std::size_t first, std::uint64_t root_sequence) {
+void ModuleChain::flow(std::size_t first, std::uint64_t root_sequence, std::size_t end) {
     auto before = clock_.now();  // the end of one call is the beginning of the next: clocks cost, too
-    for (std::size_t i = first; i < modules_.size(); ++i) {
+    for (std::size_t i = first; i < std::min(end, modules_.size()); ++i) {
         if (state_ != nullptr) state_->enter(WorkerState::Stage::module, static_cast<int>(i), root_sequence);
         auto& ticks = ticks_[i];
         for (std::size_t k = 0; k < items_.size(); ++k) {
@@ -76,6 +103,7 @@ void ModuleChain::flow(std::size_t first, std::uint64_t root_sequence) {
             modules_[i]->process(items_[k], publisher);
             const auto after = clock_.now(), elapsed = after - before;
             before = after;
+            if (!gives_back_) keep_for_earlier(i);
             ticks.calls += interest == Interest::Kind::main ? 1 : 0;
             ticks.total += elapsed;
             ticks.worst = std::max(ticks.worst, elapsed);
@@ -93,10 +121,13 @@ void ModuleChain::finish(Results& results) {
             state_->enter(WorkerState::Stage::module, static_cast<int>(i), WorkerState::at_the_end);
         items_.clear();
         const auto start = Clock::now();
-        Collector publisher(items_, listener_, last);
+        Collector publisher(published_, listener_, last);
         modules_[i]->drain(publisher);
         finish_ms_[i] += milliseconds_since(start);
-        if (!items_.empty()) flow(i + 1, WorkerState::at_the_end);
+        keep_for_earlier(i);
+        if (insert_published(0) == 0) continue;
+        flow(i + 1, WorkerState::at_the_end);
+        give_back(WorkerState::at_the_end);
     }
     for (std::size_t i = 0; i < modules_.size(); ++i) {
         if (state_ != nullptr)

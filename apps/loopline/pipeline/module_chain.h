@@ -2,11 +2,14 @@
 /// sees, right after it, what the module before it published on it. So module i+1 gets item, then what module
 /// i published on the item, then what module i-1 published, each followed by what module i published on that,
 /// and so on: every module has seen everything that a publication is based on, and no thread or clock has a
-/// say.
+/// say. What comes back to a module before the one that published it (ModuleInfo::takes_back) does so when
+/// the item has passed; what is published on that flows on, but comes back to nobody.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/module.h"
@@ -48,12 +51,18 @@ class ModuleChain {
         std::uint64_t calls = 0;
         std::int64_t total = 0, worst = 0;
     };
-    /// Takes `items_` through the modules from `first` on.
-    void flow(std::size_t first, std::uint64_t root_sequence);
+    /// Takes `items_` through the modules from `first` on, up to `end`.
+    void flow(std::size_t first, std::uint64_t root_sequence, std::size_t end = SIZE_MAX);
     std::size_t insert_published(std::size_t place);
+    void keep_for_earlier(std::size_t module);
+    void give_back(std::uint64_t root_sequence);
 
     std::vector<Module::Ptr> modules_;
     std::vector<Interest> interests_;
+    std::vector<std::vector<std::string>> takes_back_;  ///< labels, by module
+    /// What was published, and the module before that it comes back to.
+    std::vector<std::pair<std::size_t, StreamItem>> to_give_back_;
+    bool gives_back_ = false;
     TickClock clock_;
     std::int64_t latest_tick_ = 0;
     std::vector<Ticks> ticks_;

@@ -88,9 +88,9 @@ const char* refusal_of_imu(CObservationIMU& imu) {
 /// Numbers are looked at by those who use them (`gnss/gps_observation.h`): most messages are not for all.
 void settle_flags(CObservationGPS& gps) {
     settle(gps.has_satellite_timestamp);
-    const auto gga = gps.messages.find(gnss::NMEA_GGA);
+    const auto gga = gps.messages.find(mrpt::obs::gnss::NMEA_GGA);
     if (gga == gps.messages.end()) return;
-    if (auto* const message = dynamic_cast<gnss::Message_NMEA_GGA*>(gga->second.get()))
+    if (auto* const message = dynamic_cast<mrpt::obs::gnss::Message_NMEA_GGA*>(gga->second.get()))
         settle(message->fields.thereis_HDOP);
 }
 

@@ -1,0 +1,43 @@
+/// The beginning of the path on the Earth: until its heading is known, fixes are kept.
+#include "fusion/earth_path.h"
+
+namespace loopline::fusion {
+namespace {
+
+constexpr double first_sigma_m = 100;  // nothing is known
+/// The search's heading counts so many times less than it says: the filter uses the same fixes again.
+constexpr double heading_sigma_factor = 5;
+
+}  // namespace
+
+void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
+    early_.push_back(fix);
+    HeadingStart::Settings settings{settings_.heading_sigma_rad};
+    if (poses_.back().by_wheels) settings.wheels = settings_.wheels.first;
+    const std::size_t before = pose_before(fix.stamp_ns);
+    const auto found = start_.see(seconds_between(first_ns_, fix.stamp_ns),
+                                  T_odom_at(before, fix.stamp_ns) * fix.p_base_antenna_m,
+                                  earth_->p_enu_m(fix.antenna), sigma_of(fix, settings_.noise), settings);
+    if (!found) return;
+    heading_ = {pose(before).way_m, found->sigma_rad};
+    begin(found->T_enu_local);
+}
+
+/// The search gave the place to linearise at. All fixes since the first pose are used again, so the heading
+/// begins less certain than the search has it, and the place with nothing.
+void EarthPath::begin(const Pose3& T_enu_odom) {
+    state_.T_enu_base = T_enu_odom * poses_.front().T_odom_base;
+    StateVector sigma;  // along the vehicle's axes
+    sigma << Eigen::Vector3d::Constant(first_sigma_m), settings_.sigma_roll_rad, settings_.sigma_pitch_rad,
+        heading_sigma_factor * heading_.sigma_rad, Eigen::Vector3d::Zero(), settings_.wheels.first;
+    state_.covariance = sigma.cwiseAbs2().asDiagonal();
+    const Matrix6d R = turned_both(state_.T_enu_base.rotation);
+    state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
+    committed_ = 0;
+    for (const gnss::GnssFix& fix : early_) tally(fix, apply(fix));
+    early_ = {};
+    start_.clear();
+    look_ahead();
+}
+
+}  // namespace loopline::fusion

@@ -1,0 +1,269 @@
+#include "importers/csv_map.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "config/did_you_mean.h"
+#include "config/paths.h"
+#include "config/section_reader.h"
+
+namespace loopline::csv {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> kind_names() {
+    std::vector<std::string> names;
+    for (const auto& [name, kind] : kinds()) names.push_back(name);
+    return names;
+}
+
+/// What a section lacks or has too much of.
+class SectionCheck {
+ public:
+    SectionCheck(ColumnMap& map, const Section& section, std::vector<Problem>& problems)
+        : map_(map), s_(section), problems_(problems) {}
+
+    void check() {
+        if (s_.file.empty()) report("file", "is missing; name the table that holds " + s_.name);
+        need("time");
+        switch (s_.kind) {
+            case Kind::odometry:
+                need("x"), need("y"), orientation({"yaw"});
+                together({"speed", "turn_rate"});
+                if (s_.has("speed_left") && !s_.has("speed"))
+                    report("speed_left", "needs speed and turn_rate beside it");
+                break;
+            case Kind::steering:
+                need("speed"), need("steering");
+                if (s_.car.wheel_base_m <= 0)
+                    report("wheel_base_m", "is missing; give the distance of the axles");
+                break;
+            case Kind::wheels:
+                need("left"), need("right");
+                if (s_.track_width_m <= 0)
+                    report("track_width_m", "is missing; give the distance of the wheels");
+                break;
+            case Kind::imu:
+                check_imu();
+                break;
+            case Kind::gnss:
+                check_gnss();
+                break;
+            case Kind::reference:
+                check_reference();
+                break;
+        }
+    }
+
+ private:
+    void report(const std::string& key, const std::string& clause) {
+        problems_.emplace_back(map_.origin(s_, key), "[" + s_.name + "] " + key + " " + clause);
+    }
+    void need(const std::string& key) {
+        if (!s_.has(key)) report(key, "is missing; name the column that holds it");
+    }
+    void together(const std::vector<std::string>& keys) {
+        if (!s_.has_any(keys) || s_.has_all(keys)) return;
+        for (const auto& key : keys)
+            if (!s_.has(key)) report(key, "is missing: " + listing(keys) + " go together");
+    }
+    void either(const std::string& a, const std::string& b) {
+        if (s_.has(a) && s_.has(b)) report(b, "says the same as " + a + "; give one of them");
+    }
+    void orientation(const std::vector<std::string>& angles) {
+        together({"qw", "qx", "qy", "qz"});
+        const bool angle = s_.has_any(angles), quaternion = s_.has("qw");
+        if (!angle && !quaternion)
+            report(angles[0], "is missing; name its column, or those of qw, qx, qy and qz");
+        if (angle && quaternion) report(angles[0], "says the same as the quaternion; give one of them");
+    }
+    /// One of several groups of columns, whole.
+    void one_of(const std::vector<std::vector<std::string>>& groups) {
+        std::size_t begun = 0;
+        std::string all;
+        for (const auto& group : groups) {
+            begun += s_.has_any(group);
+            together(group);
+            all += (all.empty() ? "" : ", or ") + listing(group);
+        }
+        if (begun == 0) report(groups[0][0], "is missing; name the columns of " + all);
+        if (begun > 1) report(groups[0][0], "is one place too many: give only the columns of " + all);
+    }
+
+    void check_imu() {
+        for (const char* key : {"turn_rate_x", "turn_rate_y", "turn_rate_z", "acceleration_x",
+                                "acceleration_y", "acceleration_z"})
+            need(key);
+        together({"qw", "qx", "qy", "qz"});
+        if (s_.has("acceleration_time") && s_.acceleration_file.empty())
+            report("acceleration_time", "is of use only with acceleration_file");
+    }
+
+    void check_gnss() {
+        one_of({{"latitude", "longitude"}, {"east", "north"}});
+        if (s_.has("east") && !s_.has_origin())
+            report("origin_latitude_deg", "is missing; say where east and north begin");
+        if (s_.has("latitude") && s_.has_origin())
+            report("origin_latitude_deg", "is only for east and north");
+        check_origin();
+        either("height", "altitude");
+        if (s_.has("east") && s_.has("altitude"))
+            report("altitude",
+                   "goes with latitude and longitude; with east and north give height, above the origin");
+        together({"speed", "course"});
+        together({"sigma_east", "sigma_north", "sigma_up"});
+        together({"variance_east", "variance_north", "variance_up"});
+        either("sigma_east", "variance_east");
+        if ((s_.has("sigma_up") || s_.has("variance_up")) && !s_.has("height") && !s_.has("altitude"))
+            report(s_.has("sigma_up") ? "sigma_up" : "variance_up",
+                   "needs a height or an altitude beside it");
+    }
+
+    void check_reference() {
+        one_of({{"ecef_x", "ecef_y", "ecef_z"}, {"latitude", "longitude", "height"}, {"x", "y"}});
+        orientation({"yaw", "heading"});
+        either("yaw", "heading");
+        if (s_.has("ecef_x") && !s_.has("qw") && s_.has_any({"yaw", "heading"}))
+            report(s_.has("yaw") ? "yaw" : "heading",
+                   "can't go with an Earth-centred place; give qw, qx, qy and qz");
+        if (!s_.has("x") && s_.has_origin()) report("origin_latitude_deg", "is only for x and y");
+        check_origin();
+    }
+
+    void check_origin() {
+        const bool latitude = s_.has_origin(), longitude = s_.origin_longitude_deg != Section::no_angle_deg;
+        if (latitude != longitude)
+            report("origin_longitude_deg", "and origin_latitude_deg go together");
+        else if (latitude && std::abs(s_.origin_latitude_deg) > 90)
+            report("origin_latitude_deg",
+                   "is " + number_text(s_.origin_latitude_deg) + ", and there are 90 degrees of latitude");
+        else if (longitude && std::abs(s_.origin_longitude_deg) > 180)
+            report("origin_longitude_deg",
+                   "is " + number_text(s_.origin_longitude_deg) + ", and there are 180 degrees of longitude");
+    }
+
+    ColumnMap& map_;
+    const Section& s_;
+    std::vector<Problem>& problems_;
+};
+
+void read_section_of(ColumnMap& map, IniSection& written, std::vector<Problem>& problems) {
+    auto section = std::make_unique<Section>(written.name);
+    const IniEntry* kind = written.find("kind");
+    const auto& all = kinds();
+    const auto found = !kind ? all.end() : std::find_if(all.begin(), all.end(), [kind](const auto& known) {
+        return known.first == kind->value;
+    });
+    if (found == all.end()) {
+        const auto choice =
+            kind ? did_you_mean(kind->value, kind_names(), "; it is one of " + listing(kind_names()))
+                 : "; it is one of " + listing(kind_names());
+        problems.emplace_back(kind ? kind->origin : written.origin,
+                              "[" + written.name + "] kind " +
+                                  (kind ? "can't be \"" + kind->value + "\"" : "is missing") + choice);
+        return;
+    }
+    section->kind = found->second;
+    const std::size_t before = problems.size();
+    read_section(written, {{written.name, {nullptr, section->table(), true}}}, {}, problems);
+    for (ColumnKey& column : section->columns) {
+        if (column.text.empty()) continue;
+        const auto parsed = column_from_text(column.text, column.quantity);
+        column.choice = parsed.choice;
+        if (!parsed.problem.empty())
+            problems.emplace_back(written.find(column.key)->origin,
+                                  "[" + written.name + "] " + column.key + " " + parsed.problem);
+    }
+    if (problems.size() == before) SectionCheck(map, *section, problems).check();
+    map.sections.push_back(std::move(section));
+}
+
+void check_clock(ColumnMap& map, std::vector<Problem>& problems) {
+    const auto& from = map.clock.utc_from;
+    const IniSection* written = map.ini.find("clock");
+    if (from.empty() || !written) return;
+    std::vector<std::string> able;
+    for (const auto& section : map.sections)
+        if (section->kind == Kind::gnss && section->has("utc")) able.push_back(section->name);
+    if (std::find(able.begin(), able.end(), from) == able.end())
+        problems.emplace_back(map.ini.find("clock")->find("utc_from")->origin,
+                              "[clock] utc_from names no GNSS section with a column utc: \"" + from + "\"" +
+                                  did_you_mean(from, able, "; there is " + listing(able)));
+}
+
+/// Where the maps lie that come with the program: beside the build folder's tree, or where they are
+/// installed.
+std::vector<fs::path> map_folders() {
+    const fs::path bin = program_file().parent_path();
+    return {bin.parent_path().parent_path().parent_path() / "datasets" / "columns",
+            bin.parent_path() / "share" / "loopline" / "columns"};
+}
+
+}  // namespace
+
+const ColumnKey* Section::column(const std::string& key) const {
+    for (const ColumnKey& column : columns)
+        if (column.key == key) return column.text.empty() ? nullptr : &column;
+    return nullptr;
+}
+
+bool Section::has_all(const std::vector<std::string>& keys) const {
+    return std::all_of(keys.begin(), keys.end(), [this](const auto& key) { return has(key); });
+}
+
+bool Section::has_any(const std::vector<std::string>& keys) const {
+    return std::any_of(keys.begin(), keys.end(), [this](const auto& key) { return has(key); });
+}
+
+Pose3 Section::T_base_sensor() const {
+    return {{x_m, y_m, z_m},
+            Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
+                               Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()) *
+                               Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX()))};
+}
+
+Origin ColumnMap::origin(const Section& section, const std::string& key) {
+    IniSection* written = ini.find(section.name);
+    if (!written) return {path + ":1", 1};
+    const IniEntry* entry = written->find(key);
+    return entry ? entry->origin : written->origin;
+}
+
+ColumnMap read_column_map(const std::string& path) {
+    ColumnMap map;
+    map.path = path;
+    map.ini = read_ini_file(path);
+    std::vector<Problem> problems = map.ini.problems;
+    for (IniSection& written : map.ini.sections)
+        if (written.name == "clock")
+            read_section(written, {{"clock", {nullptr, clock_table(map.clock), true}}}, {}, problems);
+        else
+            read_section_of(map, written, problems);
+    if (problems.empty()) check_clock(map, problems);
+    if (problems.empty() && map.sections.empty())
+        problems.emplace_back(Origin{path + ":1", 1},
+                              "there is no section of a sensor; write one, as in "
+                              "datasets/columns");
+    if (!problems.empty()) throw ConfigurationError(problems);
+    return map;
+}
+
+std::string path_of_column_map(const std::string& name) {
+    std::error_code none;
+    if (fs::is_regular_file(name, none)) return name;
+    std::vector<std::string> known;
+    for (const fs::path& folder : map_folders()) {
+        for (const auto& entry : fs::directory_iterator(folder, none))
+            if (entry.path().extension() == ".ini") {
+                known.push_back(entry.path().stem().string());
+                if (known.back() == name) return entry.path().string();
+            }
+    }
+    std::sort(known.begin(), known.end());
+    throw CommandError(exit_configuration, "--columns " + name +
+                                               " is no file, and no column map that comes with the program" +
+                                               did_you_mean(name, known, "; those are " + listing(known)));
+}
+
+}  // namespace loopline::csv
