@@ -14,7 +14,7 @@ constexpr double max_difference_s = 0.1;  // to the nearest truth
 class TruthOnEarth {
  public:
     TruthOnEarth(const EvaluationReference& reference, const EarthFrame& earth)
-        : poses_(reference.truth, max_difference_s, ReferencePoses::Kind::poses),
+        : poses_(reference.truth, max_difference_s, ReferencePoses::Kind::poses_between),
           T_map_ref_(
               gnss::T_between(gnss::GeoReference(earth), gnss::GeoReference(*reference.surveyed.earth))) {}
 
