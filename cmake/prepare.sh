@@ -9,7 +9,7 @@ fail() { printf '%s\n' "$*" >&2; exit 1; }
 # the MRPT programs that tests compare with or load our plugins into.
 packages_build="g++ cmake ninja-build libmrpt-maps-dev libembree-dev zlib1g-dev libisal-dev libssl-dev libcli11-dev nlohmann-json3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libfreetype-dev fonts-dejavu-core"
 packages_demo="mrpt-common"
-packages_test="mrpt-common libgtest-dev mrpt-apps libmrpt-hwdrivers-dev libgeographiclib-dev"
+packages_test="mrpt-common libgtest-dev mrpt-apps libmrpt-hwdrivers-dev libgeographiclib-dev gdal-bin"
 
 install_missing() {
     local missing="" package

@@ -136,7 +136,7 @@ struct Results {
     std::optional<PoseGraph> pose_graph;
     std::optional<EarthFrame> earth;  ///< of the run's trajectory, if it is placed
     std::string earth_by;             ///< name of the module that has placed it; the host's
-    /// The path without what the result owes to the sensor that corrects it, for comparison; if there is such.
+    /// The path without what the result owes to the sensor that corrects it, for comparison; if any.
     std::optional<NamedPath> uncorrected;
     PlacedFixes fixes;
     std::vector<PathCorrection> corrections;  ///< in the order of the log

@@ -40,8 +40,8 @@ class GeoReference {
 /// From the coordinates of one such frame to those of another: both are straight, so it is a rigid motion.
 Pose3 T_between(const GeoReference& to, const GeoReference& from);
 
-/// The text of a file beside a map: `key = value` lines that read back to the same bits; where UTM is defined,
-/// the origin on its grid too, which a reader need not look at.
+/// The text of a file beside a map: `key = value` lines that read back to the same bits; where UTM is
+/// defined, the origin on its grid too, which a reader need not look at.
 std::string georeference_text(const GeoReference& reference);
 /// Of such a text; comments and blank lines are skipped. Throws std::runtime_error with one sentence that
 /// begins with `name` and tells what is wrong.

@@ -13,7 +13,7 @@ namespace loopline::gnss {
 
 /// Easting, northing and height above the ellipsoid by series of second order about the middles of cells of
 /// 256 m, whose coefficients are differences of the exact ones: what is left out is of third order, below 1
-/// um to 75 degrees of latitude and below 10 um everywhere, at a fiftieth of the time.
+/// um to 75 degrees of latitude and below 10 um everywhere, at a fraction of the time.
 class UtmOfMap {
  public:
     /// All in the zone and hemisphere of `grid`.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "api/module.h"
 #include "support/run_program.h"
 
 using namespace loopline;
@@ -40,7 +41,7 @@ TEST(PluginLoader, a_module_may_not_take_a_section_of_the_host) {
 }
 
 TEST(PluginLoader, another_version_of_the_contract_is_refused) {
-    expect_refused("wrong_version", {"libold.so", "loopline-api-0", "loopline-api-5"});
+    expect_refused("wrong_version", {"libold.so", "loopline-api-0", LOOPLINE_API_VERSION});
 }
 
 TEST(PluginLoader, a_library_without_a_version_is_refused_though_one_that_it_needs_has_one) {

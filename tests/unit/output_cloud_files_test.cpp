@@ -2,6 +2,7 @@
 #include <cstring>
 #include <random>
 
+#include "output/las_format.h"
 #include "output/stored_cloud_files.h"
 #include "output_test_support.h"
 #include "support/points_in.h"

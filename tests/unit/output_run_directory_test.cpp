@@ -1,5 +1,6 @@
 /// The run directory as a whole: which files, metrics, manifest, what happens when the disk refuses.
 #include <gtest/gtest.h>
+#include <mrpt/maps/CSimplePointsMap.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -70,6 +71,34 @@ TEST(OutputRunDirectory, holds_the_files_asked_for_and_the_manifest_lists_them) 
     std::sort(listed.begin(), listed.end());
     EXPECT_EQ(listed, expected);
     EXPECT_EQ(content(folder / "config.ini"), "[run]\nseed = 3\n");
+}
+
+TEST(OutputRunDirectory, near_a_pole_has_everything_but_the_utm_grid_and_says_so_once) {
+    const Folder folder;
+    const Trajectory trajectory = random_trajectory(10, 1), odometry = random_trajectory(10, 2);
+    RunRecord record = example(trajectory, odometry);
+    StoredCloud cloud;
+    cloud.push_back({{1, 2, 3}, 0, 0, 0});
+    record.cloud = &cloud;
+    record.cloud_on_trajectory = true;
+    auto points = mrpt::maps::CSimplePointsMap::Create();
+    points->insertPoint(1, 2, 3);
+    record.results.maps.push_back({"points", points});
+    for (const double latitude_deg : {49.0, 89.9}) {
+        record.results.earth = EarthFrame{latitude_deg, 8.4, 100, 0};
+        write_run_directory(folder.path(), record, {});
+        const auto json = json_of(folder / "manifest.json");
+        const bool on_grid = latitude_deg < 84;
+        EXPECT_EQ(fs::exists(folder / "map.cloud_utm.las"), on_grid);
+        EXPECT_EQ(fs::exists(folder / "map.points_utm.las"), on_grid);
+        EXPECT_TRUE(fs::exists(folder / "trajectory.geojson"));
+        EXPECT_TRUE(fs::exists(folder / "trajectory.kml"));
+        EXPECT_EQ(json.value("warnings", nlohmann::json::array()).size(), on_grid ? 0u : 1u);
+    }
+    record.cloud_on_trajectory = false;
+    record.results.earth = EarthFrame{49, 8.4, 100, 0};
+    write_run_directory(folder.path(), record, {});
+    EXPECT_FALSE(fs::exists(folder / "map.cloud_utm.las")) << "a cloud in another frame";
 }
 
 TEST(OutputRunDirectory, a_second_run_leaves_no_file_of_the_first_and_no_other_file_is_touched) {

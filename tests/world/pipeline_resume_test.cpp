@@ -132,10 +132,11 @@ TEST(ResumedRuns, of_one_that_makes_a_cloud_of_a_street) {
 }
 
 TEST(ResumedRuns, of_one_that_is_placed_on_the_earth) {
-    const BrokenRuns runs(test::short_street_log("gnss"),
+    const BrokenRuns runs(test::placed_street_log(),
                           "checkpoint_items = 1\nmodules = lidar_mapping fusion\ntrajectory = fusion\n");
     ASSERT_EQ(runs.run("whole", false), 0);
-    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 40), 137);  // before the heading is known
+    EXPECT_TRUE(std::filesystem::exists(runs.path("whole") + "/trajectory.geojson")) << "is placed";
+    EXPECT_EQ(runs.run("broken", false, Break::kill_all, 12), 137);  // before the heading is known
     EXPECT_EQ(runs.run("broken", true, Break::kill_all, 100), 137);  // after
     EXPECT_EQ(runs.run("broken", true), 0);
     runs.expect_same("broken", "whole");

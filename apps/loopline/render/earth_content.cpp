@@ -14,7 +14,7 @@ constexpr double max_difference_s = 0.1;  // to the nearest truth
 class TruthOnEarth {
  public:
     TruthOnEarth(const EvaluationReference& reference, const EarthFrame& earth)
-        : poses_(reference.truth, max_difference_s, ReferencePoses::Kind::poses),
+        : poses_(reference.truth, max_difference_s, ReferencePoses::Kind::poses_between),
           T_map_ref_(
               gnss::T_between(gnss::GeoReference(earth), gnss::GeoReference(*reference.surveyed.earth))) {}
 
@@ -61,22 +61,22 @@ std::optional<EarthContent> earth_content(const RunRecord& record, const Evaluat
     if (reference != nullptr && reference->truth_has_orientation && reference->surveyed.earth &&
         !reference->truth.empty())
         truth.emplace(*reference, *results.earth);
-    const Eigen::Vector3d unknown = Eigen::Vector3d::Constant(NAN);
+    if (record.trajectory->empty()) return std::nullopt;
+    const StampNs first_ns = (*record.trajectory)[0].stamp_ns;
     double way_m = 0;
     for (const TrajectoryEntry entry : record.trajectory->entries()) {
         if (!entry.T_map_base.translation_m.allFinite()) continue;
         EarthMoment moment;
         moment.p_m = entry.T_map_base.translation_m;
-        moment.error = moment.sigma = Eigen::Vector4d::Constant(NAN);
         if (!content.moments.empty()) way_m += (moment.p_m - content.moments.back().p_m).norm();
         moment.way_m = way_m;
-        moment.time_s = seconds_between(record.trajectory->entries().front().stamp_ns, entry.stamp_ns);
+        moment.time_s = seconds_between(first_ns, entry.stamp_ns);
         const auto other = results.uncorrected->path->find(entry.sequence);
-        moment.p_uncorrected_m = other ? other->T_map_base.translation_m : unknown;
+        if (other) moment.p_uncorrected_m = other->T_map_base.translation_m;
         const auto true_pose = truth ? truth->at(entry.stamp_ns) : std::nullopt;
-        moment.p_true_m = true_pose ? true_pose->translation_m : unknown;
         if (true_pose) {
             content.has_truth = true;
+            moment.p_true_m = true_pose->translation_m;
             set_error(entry, *true_pose, frame.R_enu_map(), moment);
         }
         moment.height_m = frame.geodetic(moment.p_m).height_m;

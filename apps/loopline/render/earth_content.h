@@ -2,8 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
-#include <memory>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,12 +14,15 @@ namespace loopline {
 
 /// The run at one time. What is not known there is not finite.
 struct EarthMoment {
-    double time_s = 0;                               ///< since the first
-    double way_m = 0;                                ///< of the result since then
-    Eigen::Vector3d p_m, p_uncorrected_m, p_true_m;  ///< in the frame of the run's trajectory
-    double height_m = 0, height_uncorrected_m = 0, height_true_m = 0;  ///< above the ellipsoid
+    double time_s = 0;  ///< since the first
+    double way_m = 0;   ///< of the result since then
+    /// In the frame of the run's trajectory.
+    Eigen::Vector3d p_m = unknown(), p_uncorrected_m = unknown(), p_true_m = unknown();
+    double height_m = 0, height_uncorrected_m = NAN, height_true_m = NAN;  ///< above the ellipsoid
     /// Of the result against the truth: east, north, up in m, heading in rad.
-    Eigen::Vector4d error, sigma;
+    Eigen::Vector4d error = Eigen::Vector4d::Constant(NAN), sigma = Eigen::Vector4d::Constant(NAN);
+
+    static Eigen::Vector3d unknown() { return Eigen::Vector3d::Constant(NAN); }
 };
 
 struct EarthContent {

@@ -191,9 +191,9 @@ cv::Mat draw_earth_heights(const EarthContent& content, PictureSize size) {
     const ChartWindow window = chart_about({result, other, true_path}, figure.panel(0), 0.5);
     draw_chart_axes(figure, window, " m", "");
     figure.canvas().clip(window.box);
-    draw_curve(figure, window, true_path, truth, 0.34 * u);
-    draw_curve(figure, window, other, without_fixes, 0.17 * u, true);
-    draw_curve(figure, window, result, with_fixes, 0.17 * u);
+    draw_curve(figure, window, true_path, truth, 0.4 * u);
+    draw_curve(figure, window, other, without_fixes, 0.24 * u, true);
+    draw_curve(figure, window, result, with_fixes, 0.13 * u);
     figure.canvas().unclip();
     figure.frame(0);
     return figure.finish();

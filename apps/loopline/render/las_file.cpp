@@ -11,6 +11,7 @@ namespace loopline {
 namespace {
 
 constexpr std::size_t least_header_bytes = 227, header_with_long_count_bytes = 375, least_row_bytes = 20;
+constexpr double far_m = 100e3;
 
 template <class T>
 T las_number(const std::string& bytes, std::size_t offset) {
@@ -51,6 +52,9 @@ std::shared_ptr<const PointSource> las_points(const std::filesystem::path& file)
     if (rows.begin < least_header_bytes || rows.row_bytes < least_row_bytes || !rows.unit_m.allFinite() ||
         !rows.origin_m.allFinite())
         refuse_points(file, "has numbers in its header that no LAS file can have; it is damaged");
+    // Points on a grid of the Earth are drawn where they lie from the file's own origin: a float has no room
+    // for both kilometres by the thousand and centimetres.
+    if (rows.origin_m.head<2>().cwiseAbs().maxCoeff() > far_m) rows.origin_m.head<2>().setZero();
     return std::make_shared<PointsOfFile>(std::move(rows));
 }
 

@@ -50,10 +50,10 @@ std::string pictures_section(const RunFiles& run) {
     for (const auto& file : run.files)
         if (is_snapshot(file.path) && !correction_number(file.path)) paths.push_back(file.path);
     const auto rank = [](const std::string& path) {
-        const char* order[] = {"snapshots/top.png", "snapshots/before_after.png", "snapshots/axonometric.png",
-                               "snapshots/survey_top.png", "snapshots/survey_axonometric.png",
-                               "snapshots/earth_plan.png", "snapshots/earth_height.png",
-                               "snapshots/earth_error.png"};
+        const char* order[] = {
+            "snapshots/top.png",          "snapshots/before_after.png",       "snapshots/axonometric.png",
+            "snapshots/survey_top.png",   "snapshots/survey_axonometric.png", "snapshots/earth_plan.png",
+            "snapshots/earth_height.png", "snapshots/earth_error.png"};
         return std::find(std::begin(order), std::end(order), path) - std::begin(order);
     };
     std::stable_sort(paths.begin(), paths.end(),
