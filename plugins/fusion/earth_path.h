@@ -20,7 +20,7 @@ struct EarthPathSettings {
     FixNoiseSettings noise;
     WheelNoise wheels;
     /// Of the odometry's way after 1 m, beside what it says itself: errors that neighbouring motions share.
-    double drift_m = 0.0015, drift_rad = 0.001 * M_PI / 180;
+    double drift_m = 0.001, drift_rad = 0.001 * M_PI / 180;
     /// Of the first pose against the horizon: roads lean less to the side than they climb.
     double sigma_roll_rad = 1.5 * M_PI / 180, sigma_pitch_rad = 4 * M_PI / 180;
     /// Of the antenna's place on the vehicle, forward and to the left each, about what the log says.

@@ -132,10 +132,14 @@ TEST(EarthFilter, jacobians_are_central_differences) {
                 1e-7);
         }
 
-        const StateAndMotion both = with_odometry(state, motion);
+        // The errors of wheels grow with the odometry's turn: but for the product of these errors with its
+        // own.
+        EarthState without_wheel_errors = state;
+        without_wheel_errors.wheel_errors.setZero();
+        const StateAndMotion both = with_odometry(without_wheel_errors, motion);
         const auto beside = [&](const Eigen::Matrix<double, StateAndMotion::errors, 1>& e) {
             StateAndMotion other = both;
-            other.state = moved_by(state, e.head<state_errors>());
+            other.state = moved_by(both.state, e.head<state_errors>());
             other.T_from_to.translation_m += e.segment<3>(state_errors);
             other.T_from_to.rotation =
                 inertial::exp_so3(e.tail<3>()) * inertial::exp_so3({0, 0, told.turn_rad});
