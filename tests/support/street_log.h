@@ -43,16 +43,17 @@ inline std::string short_street_log(const std::string& more_sensors = "") {
     return out;
 }
 
-/// A street and a bend with a receiver, far enough to know the heading on the Earth.
+/// A street and a bend with a receiver and wheels, far enough to know the heading on the Earth.
 inline std::string placed_street_log() {
     static const TemporaryFolder folder;
     static const std::string log = [] {
         const std::string scenario = folder.write(
             "placed.ini",
-            "[simulation]\nseed = 3\nsensors = spinning_lidar gnss\n[world]\ngenerator = town\n[route]\n"
+            "[simulation]\nseed = 3\nsensors = spinning_lidar gnss wheels\n[world]\ngenerator = "
+            "town\n[route]\n"
             "drive = pushed\nwaypoint_m = 0 0\nwaypoint_m = 30 0\nwaypoint_m = 42 12\n[cart]\nspeed_mps = 8\n"
             "speed_up_s = 2\ncorner_radius_m = 8\nstandstill_s = 1\nend_standstill_s = 1\n[spinning_lidar]\n"
-            "beams = 32\ncolumns = 450\n");
+            "beams = 32\ncolumns = 450\n[wheels]\nrate_hz = 15\n");
         const std::string out = (folder / "placed.rawlog").string();
         EXPECT_EQ(run_loopline({"simulate", scenario, "--out", out}).exit_code, 0);
         return out;

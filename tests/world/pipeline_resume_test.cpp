@@ -133,13 +133,33 @@ TEST(ResumedRuns, of_one_that_makes_a_cloud_of_a_street) {
 
 TEST(ResumedRuns, of_one_that_is_placed_on_the_earth) {
     const BrokenRuns runs(test::placed_street_log(),
-                          "checkpoint_items = 1\nmodules = lidar_mapping fusion\ntrajectory = fusion\n");
+                          "checkpoint_items = 10\nmodules = lidar_mapping fusion\ntrajectory = fusion\n");
     ASSERT_EQ(runs.run("whole", false), 0);
     EXPECT_TRUE(std::filesystem::exists(runs.path("whole") + "/trajectory.geojson")) << "is placed";
     EXPECT_EQ(runs.run("broken", false, Break::kill_all, 12), 137);  // before the heading is known
     EXPECT_EQ(runs.run("broken", true, Break::kill_all, 100), 137);  // after
     EXPECT_EQ(runs.run("broken", true), 0);
     runs.expect_same("broken", "whole");
+}
+
+// Wheels that lead a mapper whose pose comes back; wheels alone; and the paper's filter.
+TEST(ResumedRuns, of_fusions_with_wheels) {
+    const std::string inis[] = {
+        "modules = odometry fusion lidar_mapping\ntrajectory = fusion\n[odometry]\nsweeps = true\n[fusion]\n"
+        "wheels = odometry_at_sweep\n[lidar_mapping]\nodometry = calibrated_wheels\n",
+        "modules = fusion\ntrajectory = fusion\n[fusion]\nmotion =\nwheels = wheels\nwithhold_s = "
+        "1\nwithhold_every_s = 7\n",
+        "modules = lidar_mapping fusion\ntrajectory = fusion\n[fusion]\nfilter = paper\nsync = "
+        "threshold\nwheels = wheels\n"};
+    for (const std::string& ini : inis) {
+        const BrokenRuns runs(test::placed_street_log(), "checkpoint_items = 25\n" + ini);
+        ASSERT_EQ(runs.run("whole", false), 0);
+        EXPECT_TRUE(std::filesystem::exists(runs.path("whole") + "/trajectory.geojson")) << "is placed";
+        EXPECT_EQ(runs.run("broken", false, Break::kill_all, 30), 137);
+        EXPECT_EQ(runs.run("broken", true, Break::kill_all, 170), 137);
+        EXPECT_EQ(runs.run("broken", true), 0);
+        runs.expect_same("broken", "whole");
+    }
 }
 
 TEST(ResumedRuns, of_a_map_that_another_odometry_drives_at_a_lower_rate) {
