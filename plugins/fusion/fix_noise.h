@@ -18,8 +18,9 @@ struct FixNoise {
 struct FixNoiseSettings {
     FixNoise fixed{0.01, 0.004, 60}, floating{0.05, 0.35, 60}, differential{0.25, 0.8, 60},
         single{0.4, 2, 45};
-    double vertical_factor = 2;       ///< errors of the height are so many times those
-    double sigma_velocity_mps = 0.3;  ///< of a velocity by Doppler shifts, east and north each: its errors last, and it lags
+    double vertical_factor = 2;  ///< errors of the height are so many times those
+    double sigma_velocity_mps =
+        0.3;  ///< of a velocity by Doppler shifts, east and north each: its errors last, and it lags
 };
 
 /// Standard deviations along east, north, up.

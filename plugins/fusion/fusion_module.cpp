@@ -180,11 +180,12 @@ void FusionModule::process(const StreamItem& item, Publisher& publisher) {
     if (first_ns_ == 0) first_ns_ = item.stamp_ns;
     if (const auto* gps = as<mrpt::obs::CObservationGPS>(observation)) return take_fix(*gps, item.stamp_ns);
     const std::string& label = observation->sensorLabel;
+    const Moment now{item.sequence, item.stamp_ns, observation->timestamp};
     if (const auto* pose = as<mrpt::obs::CObservationRobotPose>(observation)) {
-        if (label == motion_label_) take_pose(item, pose_of(*pose), publisher);
+        if (label == motion_label_) take_pose(now, pose_of(*pose), publisher);
     } else if (const auto* wheels = as<mrpt::obs::CObservationOdometry>(observation)) {
         const auto& p = wheels->odometry;
-        if (label == told_wheels_label_) take_wheels(item, {p.x(), p.y(), p.phi()}, publisher);
+        if (label == told_wheels_label_) take_wheels(now, {p.x(), p.y(), p.phi()}, publisher);
     }
 }
 
@@ -201,50 +202,68 @@ bool FusionModule::is_withheld(StampNs stamp_ns) const {
     return since_s > 0 && std::fmod(since_s, withhold_every_s_) > withhold_every_s_ - withhold_s_;
 }
 
-void FusionModule::take_pose(const StreamItem& item, const PoseWithCovariance& pose, Publisher& publisher) {
-    if (last_ && item.stamp_ns <= last_ns_) {
+/// If wheels tell of the same motion, it waits for them: they may stand behind it in the log.
+void FusionModule::take_pose(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher) {
+    if (waiting_) follow(waiting_->first, waiting_->second, publisher);
+    waiting_.reset();
+    if (last_ && now.stamp_ns <= last_ns_) {
         ++backwards_;
         return;
     }
-    std::optional<Twist2> wheels;
-    if (last_) wheels = wheel_path_.motion(last_ns_, item.stamp_ns);
-    path_->take_pose(item.stamp_ns, pose.T_map_base,
-                     last_ ? added_covariance(*last_, pose) : Matrix6d::Zero(), wheels);
-    last_ = pose;
-    last_ns_ = item.stamp_ns;
-    wheel_path_.forget_before(last_ns_);
-    publish(item, pose.T_map_base, publisher);
+    if (!told_wheels_label_.empty() && !wheel_path_.reaches(now.stamp_ns))
+        waiting_ = {now, pose};
+    else
+        follow(now, pose, publisher);
 }
 
-void FusionModule::take_wheels(const StreamItem& item, const Pose2& T_odom_base, Publisher& publisher) {
+void FusionModule::follow(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher) {
+    std::optional<Twist2> wheels;
+    if (last_) wheels = wheel_path_.motion(last_ns_, now.stamp_ns);
+    path_->take_pose(now.stamp_ns, pose.T_map_base, last_ ? added_covariance(*last_, pose) : Matrix6d::Zero(),
+                     wheels);
+    last_ = pose;
+    last_ns_ = now.stamp_ns;
+    wheel_path_.forget_before(last_ns_);
+    publish(now, pose.T_map_base, publisher);
+}
+
+void FusionModule::drain(Publisher& publisher) {
+    if (waiting_) follow(waiting_->first, waiting_->second, publisher);
+    waiting_.reset();
+}
+
+void FusionModule::take_wheels(const Moment& now, const Pose2& T_odom_base, Publisher& publisher) {
     const bool finite = std::isfinite(T_odom_base.x_m) && std::isfinite(T_odom_base.y_m) &&
                         std::isfinite(T_odom_base.phi_rad);
-    if (!finite || !wheel_path_.take(item.stamp_ns, T_odom_base)) {
+    if (!finite || !wheel_path_.take(now.stamp_ns, T_odom_base)) {
         ++backwards_;
         return;
     }
     const Twist2 told = last_wheels_ ? log_se2(last_wheels_->inverse() * T_odom_base) : Twist2{};
     last_wheels_ = T_odom_base;
-    publish_calibrated(item, told, publisher);
-    if (!motion_label_.empty()) return;
-    error_state_->take_wheels(item.stamp_ns, told);
-    wheel_path_.forget_before(item.stamp_ns);
-    publish(item, Pose3(T_odom_base), publisher);
+    publish_calibrated(now, told, publisher);
+    if (motion_label_.empty()) {
+        error_state_->take_wheels(now.stamp_ns, told);
+        wheel_path_.forget_before(now.stamp_ns);
+        publish(now, Pose3(T_odom_base), publisher);
+    } else if (waiting_ && wheel_path_.reaches(waiting_->first.stamp_ns)) {
+        follow(waiting_->first, waiting_->second, publisher);
+        waiting_.reset();
+    }
 }
 
-void FusionModule::publish_calibrated(const StreamItem& item, const Twist2& told, Publisher& publisher) {
+void FusionModule::publish_calibrated(const Moment& now, const Twist2& told, Publisher& publisher) {
     const Twist2 twist = error_state_ != nullptr ? corrected(told, error_state_->wheel_errors()) : told;
     T_odom_calibrated_ = T_odom_calibrated_ * exp_se2(twist);
     const auto observation = calibrated_pool_.take();
     observation->sensorLabel = wheels_label;
-    observation->timestamp = item.observation->timestamp;
+    observation->timestamp = now.timestamp;
     observation->odometry = {T_odom_calibrated_.x_m, T_odom_calibrated_.y_m, T_odom_calibrated_.phi_rad};
-    publisher.publish(observation);
+    publisher.publish(observation, now.sequence);
 }
 
 /// What is known at the latest pose.
-void FusionModule::publish(const StreamItem& item, const Pose3& T_odom_base, Publisher& publisher) {
-    const auto& timestamp = item.observation->timestamp;
+void FusionModule::publish(const Moment& now, const Pose3& T_odom_base, Publisher& publisher) {
     if (error_state_ != nullptr) {
         const Motion& motion = error_state_->latest_motion();
         auto& [T_fused_base, covariance] = fused_odometry_;
@@ -253,17 +272,20 @@ void FusionModule::publish(const StreamItem& item, const Pose3& T_odom_base, Pub
         const Matrix6d F = carried_along(T_fused_base.translation_m - T_fused_before.translation_m),
                        R = turned_both(T_fused_before.rotation);
         covariance = F * covariance * F.transpose() + R * motion.covariance * R.transpose();
-        publisher.publish(pose_observation(odometry_label, timestamp, T_fused_base, covariance));
+        publisher.publish(pose_observation(odometry_label, now.timestamp, T_fused_base, covariance),
+                          now.sequence);
     }
 
     Online online;
-    online.sequence = item.sequence;
-    online.stamp_ns = item.stamp_ns;
+    online.sequence = now.sequence;
+    online.stamp_ns = now.stamp_ns;
     online.T_odom_base = Pose3Record(T_odom_base);
-    if (const auto now = path_->known()) {
+    if (const auto known = path_->known()) {
         online.known = true;
-        online.T_enu_base = Pose3Record(now->T_enu_base);
-        publisher.publish(pose_observation(published_label, timestamp, now->T_enu_base, now->covariance));
+        online.T_enu_base = Pose3Record(known->T_enu_base);
+        publisher.publish(
+            pose_observation(published_label, now.timestamp, known->T_enu_base, known->covariance),
+            now.sequence);
     }
     online_.push_back(online);
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "api/module.h"
 #include "api/observation_pool.h"
@@ -42,6 +43,7 @@ class FusionModule : public Module {
     std::string check() const override;
     void start(const RunContext&) override;
     void process(const StreamItem& item, Publisher& publisher) override;
+    void drain(Publisher& publisher) override;
     void finish(Results& results) override;
     const Trajectory* trajectory() const override { return &trajectory_; }
     bool can_resume() const override { return true; }
@@ -51,6 +53,12 @@ class FusionModule : public Module {
  private:
     template <class Archive>
     friend void fields(Archive&, FusionModule&);
+    /// Of an observation.
+    struct Moment {
+        std::uint64_t sequence = 0;
+        StampNs stamp_ns = 0;
+        mrpt::Clock::time_point timestamp;
+    };
     /// A pose as it was known at its time.
     struct Online {
         std::uint64_t sequence = 0;
@@ -60,10 +68,11 @@ class FusionModule : public Module {
     };
     void take_fix(const mrpt::obs::CObservationGPS& gps, StampNs stamp_ns);
     bool is_withheld(StampNs stamp_ns) const;
-    void take_pose(const StreamItem& item, const PoseWithCovariance& pose, Publisher& publisher);
-    void take_wheels(const StreamItem& item, const Pose2& T_odom_base, Publisher& publisher);
-    void publish(const StreamItem& item, const Pose3& T_odom_base, Publisher& publisher);
-    void publish_calibrated(const StreamItem& item, const Twist2& told, Publisher& publisher);
+    void take_pose(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher);
+    void follow(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher);
+    void take_wheels(const Moment& now, const Pose2& T_odom_base, Publisher& publisher);
+    void publish(const Moment& now, const Pose3& T_odom_base, Publisher& publisher);
+    void publish_calibrated(const Moment& now, const Twist2& told, Publisher& publisher);
     void keep_fix(const gnss::GnssFix& fix, fusion::FixUse use);
     void report(Results& results) const;
     void hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const;
@@ -83,6 +92,7 @@ class FusionModule : public Module {
     fusion::PaperPath* paper_ = nullptr;        ///< the same
     std::optional<PoseWithCovariance> last_;
     StampNs last_ns_ = 0, first_ns_ = 0;
+    std::optional<std::pair<Moment, PoseWithCovariance>> waiting_;  ///< for wheels of its time
     fusion::WheelPath wheel_path_;
     std::optional<Pose2> last_wheels_;
     Pose2 T_odom_calibrated_;  ///< wheels without the errors that last

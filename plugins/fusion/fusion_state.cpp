@@ -132,6 +132,13 @@ template <class Archive>
 void fields(Archive& archive, FusionModule& m) {
     if (m.paper_ != nullptr) archive(*m.paper_);
     if (m.error_state_ != nullptr) archive(*m.error_state_);
+    bool waits = m.waiting_.has_value();
+    archive(waits);
+    if (waits) {
+        if constexpr (Archive::reading) m.waiting_.emplace();
+        auto& [moment, pose] = *m.waiting_;
+        archive(moment.sequence, moment.stamp_ns, moment.timestamp, pose);
+    }
     archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
             m.fused_odometry_, m.online_, m.backwards_, m.fixes_, m.geoid_separation_m_);
 }

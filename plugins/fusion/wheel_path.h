@@ -16,6 +16,8 @@ class WheelPath {
     bool take(StampNs stamp_ns, const Pose2& T_odom_base);
     /// None unless poses lie at or before the one and at or after the other.
     std::optional<Twist2> motion(StampNs from_ns, StampNs to_ns) const;
+    /// Whether a pose has come that is not older than this.
+    bool reaches(StampNs stamp_ns) const { return !samples_.empty() && samples_.back().stamp_ns >= stamp_ns; }
     /// Forgets what no motion from `stamp_ns` on needs.
     void forget_before(StampNs stamp_ns);
 

@@ -142,11 +142,15 @@ TEST(ResumedRuns, of_one_that_is_placed_on_the_earth) {
     runs.expect_same("broken", "whole");
 }
 
-// Wheels that lead a mapper whose pose comes back; wheels alone; and the paper's filter.
+// Wheels that lead a mapper whose pose comes back; wheels beside a lidar odometry, both leading the mapper;
+// wheels alone; and the paper's filter.
 TEST(ResumedRuns, of_fusions_with_wheels) {
     const std::string inis[] = {
         "modules = odometry fusion lidar_mapping\ntrajectory = fusion\n[odometry]\nsweeps = true\n[fusion]\n"
         "wheels = odometry_at_sweep\n[lidar_mapping]\nodometry = calibrated_wheels\n",
+        "modules = odometry lidar_odometry fusion lidar_mapping\ntrajectory = fusion\n[odometry]\nsweeps = "
+        "true\n[fusion]\nmotion = lidar_odometry\nwheels = odometry_at_sweep\n[lidar_mapping]\nodometry = "
+        "fused_odometry\n",
         "modules = fusion\ntrajectory = fusion\n[fusion]\nmotion =\nwheels = wheels\nwithhold_s = "
         "1\nwithhold_every_s = 7\n",
         "modules = lidar_mapping fusion\ntrajectory = fusion\n[fusion]\nfilter = paper\nsync = "
@@ -155,6 +159,8 @@ TEST(ResumedRuns, of_fusions_with_wheels) {
         const BrokenRuns runs(test::placed_street_log(), "checkpoint_items = 25\n" + ini);
         ASSERT_EQ(runs.run("whole", false), 0);
         EXPECT_TRUE(std::filesystem::exists(runs.path("whole") + "/trajectory.geojson")) << "is placed";
+        EXPECT_EQ(file_bytes(runs.path("whole") + "/metrics.json").find("\"wheels_used\": 0,"),
+                  std::string::npos);
         EXPECT_EQ(runs.run("broken", false, Break::kill_all, 30), 137);
         EXPECT_EQ(runs.run("broken", true, Break::kill_all, 170), 137);
         EXPECT_EQ(runs.run("broken", true), 0);
