@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <ctime>
+#include <string_view>
 
 #include "render/report/html.h"
 #include "render/report/sections.h"
@@ -50,10 +51,12 @@ struct Headline {
 };
 
 /// In the order of their tiles.
-constexpr std::array<Headline, 21> headlines = {
+constexpr std::array<Headline, 23> headlines = {
     {{"ate_rmse_m", "absolute trajectory error, RMS", "m"},
      {"ate_max_m", "largest error", "m"},
      {"end_error_m", "error at the end", "m"},
+     {"earth_horizontal_rmse_m", "error on the Earth, horizontal, RMS", "m"},
+     {"gnss_horizontal_rmse_m", "the same of the fixes alone", "m"},
      {"relations_translation_mean_m", "error of relations, mean", "m"},
      {"relations_rotation_mean_deg", "turn error of relations, mean", "\u00b0"},
      {"points_mean_error_m", "error of feature points, mean", "m"},
@@ -134,7 +137,9 @@ std::string figures_section(const RunFiles& run) {
     };
     for (const auto& [key, name, unit] : headlines) {
         const auto value = run.metrics.find(key);
-        if (value != run.metrics.end() && value->is_number())
+        const bool no_scans = std::string_view(key) == "scans_used" && value != run.metrics.end() &&
+                              *value == 0 && text_of(run.metrics, "status") == "done";  // the log has none
+        if (value != run.metrics.end() && value->is_number() && !no_scans)
             tile(value->is_number_integer() ? value->dump() : html::number(value->get<double>(), 3), unit,
                  name);
     }

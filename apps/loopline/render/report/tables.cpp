@@ -24,7 +24,7 @@ std::string caption_of(const RunFiles& run, const std::string& stem) {
     if (stem == "top") return "The map from above";
     if (stem == "axonometric" && has_cloud(run))
         return "The map from aside, coloured by height; where the path is hidden, it is dashed";
-    if (stem == "axonometric") return "Axonometric view; walls are raised to be seen, the scan is planar";
+    if (stem == "axonometric") return "Axonometric view; walls of a planar scan are raised to be seen";
     if (stem == "before_after") return "Scan points placed by dead reckoning, and by the estimate";
     if (stem == "survey_top") return "The survey cloud from above, by dead reckoning and by corrected poses";
     if (stem == "survey_axonometric")
