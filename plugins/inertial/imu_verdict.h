@@ -22,6 +22,10 @@ std::vector<std::string> turning_complaints(const ImuCheck& check, const Agreeme
 std::vector<std::string> mounting_complaints(const ImuCheck& check, const Agreement& agreement,
                                              const std::string& label);
 
+/// How the log, or [mount], has the IMU turned on the vehicle, a clause as above; empty if it stands upright, or if
+/// gravity does not agree, of which mounting_complaints() tells.
+std::string mounting_remark(const ImuCheck& check);
+
 /// Whether gyro and odometry were compared while the vehicle turned, and agree about an axis and a sign.
 bool turned_enough(const Agreement& agreement);
 bool agrees(const Agreement& agreement);

@@ -84,6 +84,16 @@ Sentences yaw_complaints(const ImuCheck& check, const std::string& label) {
 
 }  // namespace
 
+std::string mounting_remark(const ImuCheck& check) {
+    constexpr double turned_deg = 5, agrees_deg = 30;
+    const Eigen::Matrix3d& R_base_imu = check.R_base_imu();
+    const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+    if (degrees(Eigen::AngleAxisd(R_base_imu).angle()) < turned_deg) return {};
+    if (angle_deg(check.mean_specific_force_base_mps2(), z) > agrees_deg) return {};
+    return "is mounted turned, as the log has it: its " + axis_name(R_base_imu.transpose() * z) +
+           " axis points up, by gravity too (" + mount_keys(R_base_imu) + ")";
+}
+
 Sentences mounting_complaints(const ImuCheck& check, const Agreement& agreement, const std::string& label) {
     constexpr double level_deg = 5, tilted_deg = 30, same_deg = 25;
     const Eigen::Vector3d force_mps2 = check.mean_specific_force_base_mps2();

@@ -98,6 +98,14 @@ TEST(ColumnMaps, husky_has_its_imu_upright_by_the_map_and_else_it_is_said_how_to
               "its output "
               "rate\n")
         << "neither its mount nor its stamps";
+    LogSource turned({log.path()});
+    LogSurvey survey;
+    for (StreamItem item; turned.next(item);) survey.add(item);
+    ASSERT_EQ(survey.remarks().size(), 1U);
+    EXPECT_EQ(
+        survey.remarks()[0],
+        "CObservationIMU \"imu\" is mounted turned, as the log has it: its +y axis points up, by gravity "
+        "too (yaw_deg = -90, pitch_deg = 0, roll_deg = 90)");
 
     std::string unturned = test::file_text(LOOPLINE_SOURCE_FOLDER "/datasets/columns/husky.ini");
     for (const std::string line : {"\nyaw_deg = -90\n", "\nroll_deg = 90\n"})

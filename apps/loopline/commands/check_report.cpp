@@ -45,8 +45,8 @@ std::string beams_text(const SensorFacts& facts) {
     return text.data();
 }
 
-/// A scanner steps by a round part of a degree. Where the aperture is that of one beam more than there are, the log has
-/// most likely forgotten that n beams make n - 1 steps, and every angle is a little off.
+/// A scanner steps by a round part of a degree. Where the aperture is that of one beam more than there are,
+/// the log has most likely forgotten that n beams make n - 1 steps, and every angle is a little off.
 std::vector<std::string> aperture_doubts(const LogFacts& facts) {
     std::vector<std::string> sentences;
     for (const auto& [key, sensor] : facts.sensors()) {
@@ -57,10 +57,11 @@ std::vector<std::string> aperture_doubts(const LogFacts& facts) {
         if (!round) continue;
         std::array<char, 320> text{};
         std::snprintf(text.data(), text.size(),
-                      " has %zu beams over %.4g deg, which is a step of %.4g deg; if the scanner steps by %.4g deg, set "
+                      " has %zu beams over %.4g deg, which is a step of %.4g deg; if the scanner steps by "
+                      "%.4g deg, set "
                       "[mount] aperture_deg = %.5g",
-                      sensor.beams, aperture_deg, aperture_deg / static_cast<double>(sensor.beams - 1), step_deg,
-                      aperture_deg - step_deg);
+                      sensor.beams, aperture_deg, aperture_deg / static_cast<double>(sensor.beams - 1),
+                      step_deg, aperture_deg - step_deg);
         sentences.push_back(sensor_name({short_class_name(key.first), key.second}) + text.data());
     }
     return sentences;
@@ -78,6 +79,7 @@ std::string sensors_text(const LogFacts& facts, const LogSurvey& survey, std::si
                          seconds_since(start_ns, sensor.last_stamp_ns) + " s, longest step " +
                          seconds_since(0, sensor.longest_gap_ns) + " s",
                      width);
+    for (const auto& remark : survey.remarks()) text += item(remark, width);
     return text;
 }
 

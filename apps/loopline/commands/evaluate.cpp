@@ -74,8 +74,8 @@ void compare_with_reference(const Options& options, const TrajectoryFile& estima
                             EvaluationReport& report) {
     const TrajectoryFile reference = read_trajectory(options.reference, "the reference", Needed::positions);
     TrajectoryFile compared = estimate;
-    compared.poses = way_of_point(std::move(compared.poses),
-                                  {options.reference_point_m[0], options.reference_point_m[1]});
+    compared.poses =
+        way_of_point(std::move(compared.poses), {options.reference_point_m[0], options.reference_point_m[1]});
     const auto pairs = associate(options, compared, reference);
     report.poses_reference = reference.poses.size();
     report.poses_matched = pairs.size();

@@ -46,4 +46,12 @@ std::vector<std::string> ImuSurvey::complaints(StampNs log_start_ns) const {
     return sentences;
 }
 
+std::vector<std::string> ImuSurvey::remarks() const {
+    std::vector<std::string> sentences;
+    for (const auto& [label, check] : checks_)
+        if (const std::string clause = inertial::mounting_remark(check); looks_at(label) && !clause.empty())
+            sentences.push_back(sensor_name({"CObservationIMU", label}) + " " + clause);
+    return sentences;
+}
+
 }  // namespace loopline

@@ -22,6 +22,9 @@ class ImuSurvey {
     /// no accelerations at all is an inclinometer or a compass, and nothing is said of it.
     std::vector<std::string> complaints(StampNs log_start_ns) const;
 
+    /// And what is known of them beside that.
+    std::vector<std::string> remarks() const;
+
  private:
     std::map<std::string, inertial::ImuCheck> checks_;  ///< by sensor label
     std::optional<std::string> odometry_label_;         ///< of the first odometry: the one to compare with

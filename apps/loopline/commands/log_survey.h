@@ -40,6 +40,8 @@ class LogSurvey {
 
     /// A sentence for each thing that is likely to spoil a run.
     std::vector<std::string> complaints() const;
+    /// What is worth knowing, and no complaint.
+    std::vector<std::string> remarks() const { return imus_.remarks(); }
 
  private:
     std::map<std::pair<std::string, std::string>, SensorSurvey> sensors_;

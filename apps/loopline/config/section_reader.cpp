@@ -52,6 +52,10 @@ class Reader {
         if (const auto near = did_you_mean(key, keys); !near.empty()) return near;
         for (const auto& [name, other] : all_)
             if (other.table.find(key)) return "; it is one of [" + name + "]";
+        constexpr std::size_t most_listed = 12;
+        if (keys.size() > most_listed)
+            return "; `loopline describe " + section_.table.section() + "` lists its " +
+                   std::to_string(keys.size()) + " keys";
         return keys.empty() ? "; it has none" : "; its keys are " + listing(keys);
     }
 
