@@ -10,7 +10,7 @@ namespace {
 
 constexpr double fewest_sweeps = 2, most_sweeps = 5;  // that a view's judging is spread over
 constexpr std::uint64_t pieces_per_sweep = 16;        // among the threads
-constexpr unsigned certain_looked_at_by = 4;          // views, one of them
+constexpr unsigned certain_looked_at_by = 4;          // a view asks about one point of so many
 constexpr double beyond_range_m =
     15;  // where a tile is forgotten: not at once, for a vehicle that goes to and fro
 
@@ -75,20 +75,23 @@ CloudPoint CloudMapper::point_of(const Block& block, const Candidate& candidate)
 }
 
 /// What stood for long may have left since: a clamped count (Yguel, Aycard, Laugier 2007) forgets how often
-/// it was seen before. Where nothing speaks against a point, one view in `certain_looked_at_by` asks about
-/// it.
+/// it was seen before. A view asks about one point in `certain_looked_at_by`; in a block where it, or one
+/// before, looked through something, about all.
 void CloudMapper::look_again(Block& block, Verdict& verdict) const {
     const auto most = static_cast<std::uint8_t>(settings_.removal.surely_there);
     const RangeView& view = views_.back();
+    bool is_doubted = block.least_certainty() < most;
     block.look_again([&](unsigned place, std::uint8_t& certainty) {
-        if (certainty == most && (place + views_taken_) % certain_looked_at_by != 0) return;
+        if (!is_doubted && (place + views_taken_) % certain_looked_at_by != 0) return;
         const CubeIndex voxel = voxel_at(block, place);
         const Eigen::Vector3d middle_m =
             (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).array() + 0.5) * settings_.voxel_m;
         const Evidence evidence =
             view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view);
         if (evidence == Evidence::seen && certainty < most) ++certainty;
-        if (evidence == Evidence::through && --certainty == 0) verdict.gone.push_back(pack(voxel));
+        if (evidence != Evidence::through) return;
+        is_doubted = true;
+        if (--certainty == 0) verdict.gone.push_back(pack(voxel));
     });
 }
 
@@ -140,7 +143,7 @@ void CloudMapper::begin_pass(std::uint64_t looks_of_one) {
     new_candidates_ = 0;
 }
 
-/// About: points that are less certain than they might be are few.
+/// About: blocks in which something was looked through are few.
 std::uint64_t CloudMapper::certain_looks(const Block& block) const {
     return settings_.removal.remove_moving ? block.points_given() / certain_looked_at_by : 0;
 }

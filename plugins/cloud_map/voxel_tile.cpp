@@ -1,5 +1,7 @@
 #include "cloud_map/voxel_tile.h"
 
+#include <algorithm>
+
 namespace loopline::cloud_map {
 
 int Block::before(const Bits& bits, unsigned place) {
@@ -18,6 +20,12 @@ void Block::give(unsigned place, std::uint8_t certainty) {
     if ((given_[place / 64] & bit(place)) != 0) return;
     certainty_.insert(certainty_.begin() + before(given_, place), certainty);
     given_[place / 64] |= bit(place);
+}
+
+std::uint8_t Block::least_certainty() const {
+    std::uint8_t least = 255;
+    for (const std::uint8_t certainty : certainty_) least = std::min(least, certainty);
+    return least;
 }
 
 Block& Tile::block(const CubeIndex& index) {

@@ -51,6 +51,8 @@ class Block {
 
     const std::vector<Candidate>& candidates() const { return candidates_; }
     std::size_t points_given() const { return certainty_.size(); }
+    /// Of the points that were given; 255 if there are none.
+    std::uint8_t least_certainty() const;
     /// `look(place, certainty)` may change how certain a point is. At 0 its voxel is free again.
     template <class Look>
     void look_again(const Look& look) {

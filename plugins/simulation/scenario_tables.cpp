@@ -108,8 +108,7 @@ ParameterTable traffic_table(TrafficSettings& s) {
         .real("oncoming_mps", s.oncoming_mps, {0.5, 60}, "Their speed, about.")
         .real("ahead", s.ahead, {0, 1}, "Part of the time that a car drives ahead of the vehicle.")
         .real("standing_per_km", s.standing_per_km, {0, 200},
-              "Cars that stand on either lane from the beginning and drive off when the vehicle is near: on "
-              "its own lane before it comes, on the other one also after it has passed.");
+              "Cars that stand on either lane from the beginning and drive off when the vehicle comes near.");
 }
 
 ParameterTable path_table(RecordedPathSettings& s) {

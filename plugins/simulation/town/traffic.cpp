@@ -77,16 +77,15 @@ void Traffic::add_moving(const TrafficSettings& settings, const Lots& lots, Stam
     }
 }
 
-/// On the vehicle's lane they leave before it arrives, faster than it follows; on the other one also after it
-/// has passed.
+/// They leave before the vehicle arrives; on its lane faster than it follows.
 void Traffic::add_standing(const TrafficSettings& settings, const Lots& lots, std::uint64_t seed) {
     if (settings.standing_per_km <= 0 || ways_m_.empty()) return;
     RandomStream random(seed, "standing traffic");
     const double spacing_m = 1000 / settings.standing_per_km;
-    for (double way_m = 30; way_m < ways_m_.back(); way_m += spacing_m * random.uniform(0.4, 1.6)) {
+    const double last_m = ways_m_.back() - 50;  // whose place is seen after it left
+    for (double way_m = 30; way_m < last_m; way_m += spacing_m * random.uniform(0.4, 1.6)) {
         const bool other_lane = random.uniform(0, 1) < 0.5;
-        const double leaves_when_at_m =
-            way_m + (other_lane ? random.uniform(-20, 30) : random.uniform(-45, -20));
+        const double leaves_when_at_m = way_m + random.uniform(-45, -20);
         const StampNs leaves_ns = vehicle_is_at_ns(leaves_when_at_m);
         const double speed_mps = 1.5 * settings.oncoming_mps;
         add_if_clear({0, 0, leaves_ns + seen_ns, Kind::leaving, other_lane, way_m, leaves_ns, speed_mps},
