@@ -43,6 +43,7 @@ void fields(Archive& archive, Block& block) {
     for (auto& x : block.index) archive(x);
     for (auto& x : block.given_) archive(x);
     for (auto& x : block.held_) archive(x);
+    plain(archive, block.certainty_);
     plain(archive, block.candidates_);
 }
 
@@ -74,7 +75,7 @@ void fields_by_tile(Archive& archive, std::map<TileStore::TileIndex, T>& map) {
 
 template <class Archive>
 void fields(Archive& archive, TileStore& store) {
-    archive(store.cloud_, store.stretches_);
+    archive(store.cloud_, store.gone_, store.stretches_);
     fields_by_tile(archive, store.last_stretch_);
 }
 
@@ -104,11 +105,11 @@ void fields(Archive& archive, CloudMapModule& m) {
 }
 
 void CloudMapModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 2, *this);
+    write_state(out, info().name, 3, *this);
 }
 
 void CloudMapModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 2, *this);
+    read_state(in, info().name, 3, *this);
 }
 
 }  // namespace loopline

@@ -28,7 +28,8 @@ CloudMapper::CloudMapper(const CloudMapSettings& settings, int threads)
     : settings_(settings),
       per_voxel_(1 / settings.voxel_m),
       tile_blocks_(tile_blocks_for(settings.voxel_m)),
-      workers_(threads) {}
+      workers_(threads),
+      store_(settings.voxel_m) {}
 
 bool CloudMapper::add(const lidar::SpinningScan& scan, const std::vector<std::uint16_t>& intensity,
                       const PoseAt& T_map_base) {
@@ -70,15 +71,14 @@ Tile& CloudMapper::tile_of(const CubeIndex& block) {
     // A vehicle that comes back finds its places taken.
     if (is_new)
         store_.for_each_of(index, [&](const CloudPoint& point) {
-            CubeIndex voxel, of_block;
+            const CubeIndex voxel = store_.voxel_of(point);
+            CubeIndex of_block;
             unsigned place = 0;
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                voxel[axis] = static_cast<std::int32_t>(
-                    std::floor(point.place[axis] * (CloudPoint::unit_m / settings_.voxel_m)));
                 of_block[axis] = voxel[axis] >> 3;
                 place = place << 3 | static_cast<unsigned>(voxel[axis] & 7);
             }
-            tile.block(of_block).give(place);
+            tile.block(of_block).give(place, static_cast<std::uint8_t>(settings_.removal.surely_there));
         });
     last_tile_ = &tile;
     last_tile_index_ = index;
@@ -133,16 +133,19 @@ void CloudMapper::take_view(const lidar::SpinningScan& scan) {
     forget_far_tiles();
 }
 
-/// Returns the number of candidates.
+/// Returns how many looks of one view at each candidate, and again at points, take.
 std::uint64_t CloudMapper::count_held() {
-    std::uint64_t blocks = 0, candidates = 0;
+    std::uint64_t blocks = 0, candidates = 0, again = 0;
     for (const auto& [index, tile] : tiles_) {
         blocks += tile.blocks().size();
-        for (const Block& block : tile.blocks()) candidates += block.candidates().size();
+        for (const Block& block : tile.blocks()) {
+            candidates += block.candidates().size();
+            again += certain_looks(block);
+        }
     }
     counts_.most_blocks = std::max(counts_.most_blocks, blocks);
     counts_.most_candidates = std::max(counts_.most_candidates, candidates);
-    return candidates;
+    return candidates + again;
 }
 
 void CloudMapper::finish() {
@@ -151,6 +154,7 @@ void CloudMapper::finish() {
     std::vector<Piece> all;
     for (auto& [index, tile] : tiles_) all.push_back({index, &tile, 0, tile.blocks().size()});
     judge_all(all, true);
+    store_.leave_out_what_is_gone();
     tiles_.clear();
     views_.clear();
     last_tile_ = nullptr;

@@ -20,8 +20,9 @@ struct RemovalSettings {
     int views = 24;               ///< that judge a place before, and as many after it was first seen
     int least_through = 2;        ///< views that must have looked through a place
     double through_per_seen = 1;  ///< and so many for each view that saw something there
-    int surely_there =
-        4;  ///< views that saw something there, while none looked through, are enough: it stands still
+    /// Views that saw something there, while none looked through, are enough: it stands still. Until so many
+    /// more look through than still see it.
+    int surely_there = 4;
 };
 
 struct CloudMapSettings {
@@ -79,18 +80,27 @@ class CloudMapper {
     void insert_points(const lidar::SpinningScan& scan, const std::vector<std::uint16_t>& intensity);
     bool is_view_due(StampNs stamp_ns) const;
     void take_view(const lidar::SpinningScan& scan);
-    void judge(const Piece& piece, bool is_last, std::vector<CloudPoint>& given, std::uint64_t& moving) const;
+    /// What a view says of a piece of a tile.
+    struct Verdict {
+        std::vector<CloudPoint> given;
+        std::vector<std::uint64_t> gone;  ///< voxels, packed
+        std::uint64_t moving = 0;         ///< candidates left out
+    };
+    void judge(const Piece& piece, bool is_last, Verdict& verdict) const;
+    void look_again(Block& block, Verdict& verdict) const;
     void look_at(const Eigen::Vector3d& p_map_m, Candidate& candidate) const;
     bool is_moving(const Candidate& candidate) const;
     bool stands_still(const Candidate& candidate) const;
     bool is_decided(const Candidate& candidate) const;
     CloudPoint point_of(const Block& block, const Candidate& candidate) const;
+    CubeIndex voxel_at(const Block& block, unsigned place) const;
     Eigen::Vector3d place_m(const Block& block, const Candidate& candidate) const;
     void judge_all(const std::vector<Piece>& pieces, bool is_last);
-    void begin_pass(std::uint64_t candidates);
+    void begin_pass(std::uint64_t looks_of_one);
     std::uint64_t looks_at(const Block& block) const;
     void judge_next();
     void forget_far_tiles();
+    std::uint64_t certain_looks(const Block& block) const;
     std::uint64_t count_held();
 
     CloudMapSettings settings_;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double fewest_sweeps = 2, most_sweeps = 5;  // that a view's judging is spread over
 constexpr std::uint64_t pieces_per_sweep = 16;        // among the threads
+constexpr unsigned certain_looked_at_by = 4;          // a view asks about one point of so many
 constexpr double beyond_range_m =
     15;  // where a tile is forgotten: not at once, for a vehicle that goes to and fro
 
@@ -46,12 +47,19 @@ bool CloudMapper::is_decided(const Candidate& candidate) const {
            views_taken_ - candidate.view >= static_cast<std::uint32_t>(settings_.removal.views);
 }
 
+CubeIndex CloudMapper::voxel_at(const Block& block, unsigned place) const {
+    CubeIndex voxel;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        voxel[axis] = block.index[axis] * Block::edge + static_cast<int>(place >> (6 - 3 * axis) & 7);
+    return voxel;
+}
+
 Eigen::Vector3d CloudMapper::place_m(const Block& block, const Candidate& candidate) const {
+    const CubeIndex voxel = voxel_at(block, candidate.place);
     Eigen::Vector3d p_m;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const int voxel = block.index[axis] * Block::edge + (candidate.place >> (6 - 3 * axis) & 7);
-        p_m[static_cast<int>(axis)] = (voxel + (candidate.offset[axis] + 0.5) / 256) * settings_.voxel_m;
-    }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        p_m[static_cast<int>(axis)] =
+            (voxel[axis] + (candidate.offset[axis] + 0.5) / 256) * settings_.voxel_m;
     return p_m;
 }
 
@@ -66,47 +74,68 @@ CloudPoint CloudMapper::point_of(const Block& block, const Candidate& candidate)
     return point;
 }
 
-void CloudMapper::judge(const Piece& piece, bool is_last, std::vector<CloudPoint>& given,
-                        std::uint64_t& moving) const {
+/// What stood for long may have left since: a clamped count (Yguel, Aycard, Laugier 2007) forgets how often
+/// it was seen before. A view asks about one point in `certain_looked_at_by`; in a block where it, or one
+/// before, looked through something, about all.
+void CloudMapper::look_again(Block& block, Verdict& verdict) const {
+    const auto most = static_cast<std::uint8_t>(settings_.removal.surely_there);
+    const RangeView& view = views_.back();
+    bool is_doubted = block.least_certainty() < most;
+    block.look_again([&](unsigned place, std::uint8_t& certainty) {
+        if (!is_doubted && (place + views_taken_) % certain_looked_at_by != 0) return;
+        const CubeIndex voxel = voxel_at(block, place);
+        const Eigen::Vector3d middle_m =
+            (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).array() + 0.5) * settings_.voxel_m;
+        const Evidence evidence =
+            view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view);
+        if (evidence == Evidence::seen && certainty < most) ++certainty;
+        if (evidence != Evidence::through) return;
+        is_doubted = true;
+        if (--certainty == 0) verdict.gone.push_back(pack(voxel));
+    });
+}
+
+void CloudMapper::judge(const Piece& piece, bool is_last, Verdict& verdict) const {
+    const bool looks = settings_.removal.remove_moving && !is_last;
     for (std::size_t b = piece.begin; b < piece.end; ++b) {
         Block& block = piece.tile->blocks()[b];
+        if (looks && block.points_given() > 0) look_again(block, verdict);
         if (block.candidates().empty()) continue;
-        block.judge([&](Candidate& candidate) {
+        block.judge(static_cast<std::uint8_t>(settings_.removal.surely_there), [&](Candidate& candidate) {
             if (!is_last && candidate.view > views_taken_) return Block::Fate::stays;  // the next view's
-            if (settings_.removal.remove_moving) {
-                if (!is_last) look_at(place_m(block, candidate), candidate);
-                if (!is_last && !is_decided(candidate)) return Block::Fate::stays;
-                if (is_moving(candidate)) {
-                    ++moving;
-                    return Block::Fate::dropped;
-                }
+            if (looks) look_at(place_m(block, candidate), candidate);
+            if (looks && !is_decided(candidate)) return Block::Fate::stays;
+            if (settings_.removal.remove_moving && is_moving(candidate)) {
+                ++verdict.moving;
+                return Block::Fate::dropped;
             }
-            given.push_back(point_of(block, candidate));
+            verdict.given.push_back(point_of(block, candidate));
             return Block::Fate::given;
         });
     }
 }
 
-/// Each piece by itself, whoever does it; their points are appended in the order of the pieces.
+/// Each piece by itself, whoever does it; what is new is appended in the order of the pieces.
 void CloudMapper::judge_all(const std::vector<Piece>& pieces, bool is_last) {
-    std::vector<std::vector<CloudPoint>> given(pieces.size());
-    std::vector<std::uint64_t> moving(pieces.size(), 0);
-    workers_.run(pieces.size(), [&](std::size_t k) { judge(pieces[k], is_last, given[k], moving[k]); });
-    std::vector<CloudPoint> of_tile;
+    std::vector<Verdict> verdicts(pieces.size());
+    workers_.run(pieces.size(), [&](std::size_t k) { judge(pieces[k], is_last, verdicts[k]); });
+    Verdict of_tile;
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-        of_tile.insert(of_tile.end(), given[k].begin(), given[k].end());
-        counts_.moving += moving[k];
+        const Verdict& v = verdicts[k];
+        of_tile.given.insert(of_tile.given.end(), v.given.begin(), v.given.end());
+        of_tile.gone.insert(of_tile.gone.end(), v.gone.begin(), v.gone.end());
+        counts_.moving += v.moving + v.gone.size();
         if (k + 1 < pieces.size() && pieces[k + 1].index == pieces[k].index) continue;
-        store_.append(pieces[k].index, of_tile);
-        of_tile.clear();
+        store_.append(pieces[k].index, of_tile.given, of_tile.gone);
+        of_tile = {};
     }
 }
 
 /// All candidates are judged by the latest view before the next one is due, as fast as the vehicle is now:
 /// with each sweep the same number of looks.
-void CloudMapper::begin_pass(std::uint64_t candidates) {
+void CloudMapper::begin_pass(std::uint64_t looks_of_one) {
     const std::uint64_t asked_of_all = std::max<std::size_t>(1, views_.size());
-    const std::uint64_t looks = candidates - new_candidates_ + new_candidates_ * asked_of_all;
+    const std::uint64_t looks = looks_of_one - new_candidates_ + new_candidates_ * asked_of_all;
     const double way_m = std::max(1e-3, (motion_.middle_m() - before_m_).norm());
     const auto sweeps = static_cast<std::uint64_t>(
         std::clamp(std::ceil(settings_.removal.view_spacing_m / way_m), fewest_sweeps, most_sweeps));
@@ -114,8 +143,13 @@ void CloudMapper::begin_pass(std::uint64_t candidates) {
     new_candidates_ = 0;
 }
 
+/// About: blocks in which something was looked through are few.
+std::uint64_t CloudMapper::certain_looks(const Block& block) const {
+    return settings_.removal.remove_moving ? block.points_given() / certain_looked_at_by : 0;
+}
+
 std::uint64_t CloudMapper::looks_at(const Block& block) const {
-    std::uint64_t looks = 0;
+    std::uint64_t looks = certain_looks(block);
     for (const Candidate& candidate : block.candidates())
         looks += candidate.view < views_taken_ ? 1 : candidate.view == views_taken_ ? views_.size() : 0;
     return looks;

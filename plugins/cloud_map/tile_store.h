@@ -2,33 +2,47 @@
 #pragma once
 
 #include <map>
+#include <unordered_set>
 
 #include "api/stored_cloud.h"
 #include "cloud_map/voxel_tile.h"
 
 namespace loopline::cloud_map {
 
-/// Points are appended and never touched again. For each tile, memory holds a single number.
+/// What is written is never touched again: a point that is gone is noted in a file of its own, and left out
+/// when the cloud is complete. For each tile, memory holds a single number.
 class TileStore {
  public:
     using TileIndex = std::array<std::int32_t, 2>;
 
-    void keep_in(const std::filesystem::path& folder, const std::string& name) {
-        cloud_.keep_in(folder, name + "_points");
-        stretches_.keep_in(folder, name + "_stretches");
-    }
-    void append(const TileIndex& tile, const std::vector<CloudPoint>& points);
-    /// Calls `use(point)` with all points of a tile so far, the latest stretch first.
+    explicit TileStore(double voxel_m) : voxel_m_(voxel_m) {}
+
+    void keep_in(const std::filesystem::path& folder, const std::string& name);
+    /// What is new of a tile: points, and voxels, packed, whose points of before are gone.
+    void append(const TileIndex& tile, const std::vector<CloudPoint>& points,
+                const std::vector<std::uint64_t>& gone);
+    /// Calls `use(point)` with all points of a tile that are still there, the latest stretch first.
     template <class Use>
     void for_each_of(const TileIndex& tile, const Use& use) const {
         const auto found = last_stretch_.find(tile);
         if (found == last_stretch_.end()) return;
+        std::unordered_set<std::uint64_t> gone;  // whose point is in a stretch before
         for (std::uint64_t s = found->second; s != no_stretch;) {
             const Stretch stretch = stretches_[s];
-            cloud_.points().for_each(stretch.first, stretch.first + stretch.count, use);
+            cloud_.points().for_each(stretch.first, stretch.first + stretch.count,
+                                     [&](const CloudPoint& point) {
+                                         if (gone.empty() || gone.erase(pack(voxel_of(point))) == 0)
+                                             use(point);
+                                     });
+            gone_.for_each(stretch.first_gone, stretch.first_gone + stretch.gone_count,
+                           [&](std::uint64_t voxel) { gone.insert(voxel); });
             s = stretch.before;
         }
     }
+    CubeIndex voxel_of(const CloudPoint& point) const;
+    /// Nothing is appended any more: makes a cloud of what is still there, tile by tile.
+    void leave_out_what_is_gone();
+
     StoredCloud& cloud() { return cloud_; }
     const StoredCloud& cloud() const { return cloud_; }
 
@@ -36,12 +50,17 @@ class TileStore {
     template <class Archive>
     friend void fields(Archive&, TileStore&);
     static constexpr std::uint64_t no_stretch = ~std::uint64_t{0};
-    /// Points of one tile that were appended together.
+    /// What was appended of one tile together. Nothing that is gone is of the same stretch.
     struct Stretch {
         std::uint64_t first = 0, count = 0;
+        std::uint64_t first_gone = 0, gone_count = 0;
         std::uint64_t before = no_stretch;  ///< the stretch of the same tile before this one
     };
+    double voxel_m_;
+    std::filesystem::path folder_;
+    std::string name_;
     StoredCloud cloud_;
+    SetAside<std::uint64_t> gone_;
     SetAside<Stretch> stretches_;
     std::map<TileIndex, std::uint64_t> last_stretch_;
 };

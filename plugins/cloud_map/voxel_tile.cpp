@@ -1,14 +1,31 @@
 #include "cloud_map/voxel_tile.h"
 
+#include <algorithm>
+
 namespace loopline::cloud_map {
 
-/// Behind those at lower places: their number is counted in the bits.
+int Block::before(const Bits& bits, unsigned place) {
+    const unsigned word = place / 64;
+    int count = __builtin_popcountll(bits[word] & (bit(place) - 1));
+    for (unsigned w = 0; w < word; ++w) count += __builtin_popcountll(bits[w]);
+    return count;
+}
+
 void Block::hold(const Candidate& candidate) {
-    const unsigned word = candidate.place / 64;
-    int before = __builtin_popcountll(held_[word] & (bit(candidate.place) - 1));
-    for (unsigned w = 0; w < word; ++w) before += __builtin_popcountll(held_[w]);
-    candidates_.insert(candidates_.begin() + before, candidate);
-    held_[word] |= bit(candidate.place);
+    candidates_.insert(candidates_.begin() + before(held_, candidate.place), candidate);
+    held_[candidate.place / 64] |= bit(candidate.place);
+}
+
+void Block::give(unsigned place, std::uint8_t certainty) {
+    if ((given_[place / 64] & bit(place)) != 0) return;
+    certainty_.insert(certainty_.begin() + before(given_, place), certainty);
+    given_[place / 64] |= bit(place);
+}
+
+std::uint8_t Block::least_certainty() const {
+    std::uint8_t least = 255;
+    for (const std::uint8_t certainty : certainty_) least = std::min(least, certainty);
+    return least;
 }
 
 Block& Tile::block(const CubeIndex& index) {

@@ -30,7 +30,8 @@ struct Candidate {
     std::uint8_t seen = 0, through = 0;    ///< views that say so
 };
 
-/// 8 x 8 x 8 voxels: two bits for each, and the candidates in the order of their places.
+/// 8 x 8 x 8 voxels: two bits for each, a byte for each that has given its point, and the candidates; both in
+/// the order of their places.
 class Block {
  public:
     static constexpr int edge = 8, voxels = edge * edge * edge;
@@ -45,13 +46,32 @@ class Block {
         return ((given_[place / 64] | held_[place / 64]) >> (place % 64) & 1) != 0;
     }
     void hold(const Candidate& candidate);
-    void give(unsigned place) { given_[place / 64] |= bit(place); }
+    /// `certainty`: how many more looks through than at something make it gone.
+    void give(unsigned place, std::uint8_t certainty);
 
     const std::vector<Candidate>& candidates() const { return candidates_; }
-    /// `judge(candidate)` may change its counts and says what becomes of each.
+    std::size_t points_given() const { return certainty_.size(); }
+    /// Of the points that were given; 255 if there are none.
+    std::uint8_t least_certainty() const;
+    /// `look(place, certainty)` may change how certain a point is. At 0 its voxel is free again.
+    template <class Look>
+    void look_again(const Look& look) {
+        std::size_t k = 0, kept = 0;
+        for (std::size_t w = 0; w < given_.size(); ++w)
+            for (std::uint64_t left = given_[w]; left != 0; left &= left - 1, ++k) {
+                const auto place = static_cast<unsigned>(64 * w) + lowest(left);
+                look(place, certainty_[k]);
+                if (certainty_[k] == 0)
+                    given_[w] &= ~bit(place);
+                else
+                    certainty_[kept++] = certainty_[k];
+            }
+        certainty_.resize(kept);
+    }
+    /// `judge(candidate)` may change its counts and says what becomes of each; `certainty` of those given.
     enum class Fate { stays, given, dropped };
     template <class Judge>
-    void judge(const Judge& judge) {
+    void judge(std::uint8_t certainty, const Judge& judge) {
         std::size_t kept = 0;
         for (Candidate& candidate : candidates_) {
             const Fate fate = judge(candidate);
@@ -60,7 +80,7 @@ class Block {
                 continue;
             }
             held_[candidate.place / 64] &= ~bit(candidate.place);
-            if (fate == Fate::given) give(candidate.place);
+            if (fate == Fate::given) give(candidate.place, certainty);
         }
         candidates_.resize(kept);
         if (kept == 0) std::vector<Candidate>().swap(candidates_);
@@ -69,9 +89,14 @@ class Block {
  private:
     template <class Archive>
     friend void fields(Archive&, Block&);
+    using Bits = std::array<std::uint64_t, voxels / 64>;
     static std::uint64_t bit(unsigned place) { return std::uint64_t{1} << (place % 64); }
+    static unsigned lowest(std::uint64_t bits) { return static_cast<unsigned>(__builtin_ctzll(bits)); }
+    /// How many bits of lower places are set.
+    static int before(const Bits& bits, unsigned place);
 
-    std::array<std::uint64_t, voxels / 64> given_{}, held_{};
+    Bits given_{}, held_{};
+    std::vector<std::uint8_t> certainty_;
     std::vector<Candidate> candidates_;
 };
 

@@ -106,7 +106,9 @@ ParameterTable traffic_table(TrafficSettings& s) {
         .real("oncoming_s", s.oncoming_s, {0, 10000},
               "Time from one on the other lane to the next, about; 0: none.")
         .real("oncoming_mps", s.oncoming_mps, {0.5, 60}, "Their speed, about.")
-        .real("ahead", s.ahead, {0, 1}, "Part of the time that a car drives ahead of the vehicle.");
+        .real("ahead", s.ahead, {0, 1}, "Part of the time that a car drives ahead of the vehicle.")
+        .real("standing_per_km", s.standing_per_km, {0, 200},
+              "Cars that stand on either lane from the beginning and drive off when the vehicle comes near.");
 }
 
 ParameterTable path_table(RecordedPathSettings& s) {

@@ -204,6 +204,34 @@ TEST(Traffic, cars_move_without_leaps_and_meet_nothing) {
     EXPECT_GT(seen, 500u);
 }
 
+TEST(Traffic, cars_stand_until_the_vehicle_is_near_then_leave_and_meet_nothing) {
+    const auto scene = test::scene_of(
+        test::dataset("straight_street.ini"),
+        {"town.ground_cell_m=20", "traffic.oncoming_s=0", "traffic.ahead=0", "traffic.standing_per_km=30"});
+    const Traffic& traffic = scene->landscape->traffic;
+    ASSERT_GT(traffic.meshes().size(), 8u);
+    std::vector<Eigen::Vector3d> stood_at(traffic.meshes().size(), Eigen::Vector3d::Zero());
+    std::vector<double> driven_m(stood_at.size(), 0), nearest_m(stood_at.size(), 1e9);
+    for (const MovingBody& body : traffic.at(0)) stood_at[body.mesh] = body.T_map_body.translation_m;
+    for (StampNs time_ns = 0; time_ns < scene->duration_ns(); time_ns += 100'000'000) {
+        const Pose3 T_map_base = scene->drive.motion.pose_at(time_ns);
+        for (const MovingBody& body : traffic.at(time_ns)) {
+            const Eigen::Vector3d& at_m = body.T_map_body.translation_m;
+            const double to_vehicle_m = (at_m - T_map_base.translation_m).norm();
+            ASSERT_GT(to_vehicle_m, 2.4);
+            const double moved_m = (at_m - stood_at[body.mesh]).norm();
+            if (moved_m < 1e-6) nearest_m[body.mesh] = std::min(nearest_m[body.mesh], to_vehicle_m);
+            ASSERT_LT(moved_m - driven_m[body.mesh], 1.5);
+            driven_m[body.mesh] = moved_m;
+        }
+    }
+    for (std::size_t car = 0; car < stood_at.size(); ++car) {
+        EXPECT_LT(nearest_m[car], 50) << car;
+        // Unless the drive ends before.
+        if (stood_at[car].x() < 900) EXPECT_GT(driven_m[car], 30) << car;
+    }
+}
+
 TEST(Gallery, closes_over_the_way) {
     const auto scene = test::scene_of(test::dataset("ramp_gallery.ini"));
     const Landscape& landscape = *scene->landscape;
