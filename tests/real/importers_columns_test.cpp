@@ -99,7 +99,7 @@ TEST(ColumnMaps, husky_has_its_imu_upright_by_the_map_and_else_it_is_said_how_to
               "rate\n")
         << "neither its mount nor its stamps";
     LogSource turned({log.path()});
-    LogSurvey survey;
+    ImuSurvey survey;
     for (StreamItem item; turned.next(item);) survey.add(item);
     ASSERT_EQ(survey.remarks().size(), 1U);
     EXPECT_EQ(
@@ -126,7 +126,7 @@ TEST(ColumnMaps, husky_has_its_imu_upright_by_the_map_and_else_it_is_said_how_to
                                  "[run]\nmodules = odometry\n[mount]\nsensors = imu\nyaw_deg = -90\n"
                                  "pitch_deg = 0\nroll_deg = 90\n"),
                 as_recorded.path());
-    EXPECT_EQ(righted.find("mounted turned"), std::string::npos) << righted;
+    EXPECT_EQ(righted.find("where the log has it upright"), std::string::npos) << righted;
 }
 
 TEST(ColumnMaps, victoria_park_has_wheels_and_fixes_in_metres) {
