@@ -283,7 +283,8 @@ void CloudLocalisation::compare_with(const FixInMap& fix) {
 }
 
 /// Fixes that go on contradicting the path may be wrong, or the path is: the sweep decides. It is moved to
-/// where the fixes have it only if it fits far better there.
+/// where the fixes have it if it fits there, and not clearly worse; where the two places are alike, the fixes
+/// tell which.
 void CloudLocalisation::ask_for_second_opinion(StampNs middle_ns) {
     if (off_in_a_row_ < off_fixes || !look_is_due(middle_ns) ||
         seconds_between(off_since_ns_, middle_ns) < settings_.lost_after_s)
@@ -296,7 +297,7 @@ void CloudLocalisation::ask_for_second_opinion(StampNs middle_ns) {
         look_for_start(map_, points_, matched_, state_.velocity, *region, settings_.start, workers_);
     if (!there.found) return;
     const auto seen = seen_from_above(points_, state_.velocity, settings_.start.range_m);
-    if (fit_on_surfaces(map_, seen.standing, state_) > settings_.start.rival * there.fit) return;
+    if (settings_.start.rival * fit_on_surfaces(map_, seen.standing, state_) > there.fit) return;
     ++counts_.moved_by_fixes;
     state_ = there.state;
     way_.clear();
