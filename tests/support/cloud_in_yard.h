@@ -42,7 +42,8 @@ inline cloud_localisation::FrozenCloud cloud_of(const std::vector<Rectangle>& wo
 
 inline SpinningBeams quick_beams() {
     SpinningBeams beams;
-    beams.columns = 360;
+    beams.rings = 24;
+    beams.columns = 300;
     beams.sigma_range_m = 0.02;
     return beams;
 }
@@ -52,8 +53,21 @@ inline Pose3 T_base_lidar() {
     return {{0, 0, 1.8}, Eigen::Quaterniond::Identity()};
 }
 
+/// The worlds' own axes lie along those of the map's cubes, and their floor between two of these: nothing
+/// real does.
+inline Pose3 T_map_world() {
+    return {{0.23, 0.11, 0.17}, Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()))};
+}
+inline std::vector<Rectangle> in_map(std::vector<Rectangle> world) {
+    for (Rectangle& r : world)
+        r = {T_map_world() * r.corner_m, T_map_world().rotation * r.edge_a_m,
+             T_map_world().rotation * r.edge_b_m};
+    return world;
+}
+
+/// On the floor of such a world, by its own axes.
 inline Pose3 level_pose(double x_m, double y_m, double yaw_rad) {
-    return Pose3(Pose2{x_m, y_m, yaw_rad});
+    return T_map_world() * Pose3(Pose2{x_m, y_m, yaw_rad});
 }
 
 /// A sweep about `middle_ns` of a vehicle that is at `T_map_base` then and moves at `velocity`.

@@ -56,7 +56,7 @@ StartRegion region_about(const Pose3& T_map_base, const Eigen::Vector3d& off_m, 
 std::vector<Rectangle> empty_yard() {
     std::vector<Rectangle> world{{{-30, -20, 0}, {60, 0, 0}, {0, 40, 0}}};
     add_box(world, -30, -20, 60, 40, 8);
-    return world;
+    return in_map(world);
 }
 
 }  // namespace
@@ -157,7 +157,7 @@ TEST(CloudLocalisationStart, puts_the_vehicle_on_the_ground_as_it_leans_there_wh
 }
 
 TEST(CloudLocalisationStart, is_found_for_any_heading_standing_or_moving) {
-    const auto world = walled_yard();
+    const auto world = in_map(walled_yard());
     const FrozenCloud map = cloud_of(world);
     const Twist3 moving{{6, 0, 0}, {0, 0, 0.2}};
     int k = 0;
@@ -174,7 +174,7 @@ TEST(CloudLocalisationStart, is_found_for_any_heading_standing_or_moving) {
 }
 
 TEST(CloudLocalisationStart, is_not_taken_where_two_headings_fit_or_nothing_does) {
-    const auto yard = walled_yard(), empty = empty_yard();
+    const auto yard = in_map(walled_yard()), empty = empty_yard();
     const FrozenCloud map = cloud_of(yard), empty_map = cloud_of(empty);
     const Pose3 middle = level_pose(0.2, 0.1, 0.4), other = level_pose(-6, -5, 2);
     const StartLook twice = looked(empty_map, empty, middle, region_about(middle, {0, 0, 0}, 1));
@@ -182,16 +182,17 @@ TEST(CloudLocalisationStart, is_not_taken_where_two_headings_fit_or_nothing_does
     EXPECT_EQ(twice.reason, "several places fit");
     // If the heading is known about, it is one of them.
     StartRegion heading = region_about(middle, {0.5, 0.3, 0}, 1);
-    heading.yaw_rad = 0.55;
+    heading.yaw_rad = middle.yaw_rad() + 0.15;
     heading.sigma_yaw_rad = 0.2;
     const StartLook once = looked(empty_map, empty, middle, heading);
     EXPECT_TRUE(once.found) << once.reason;
     EXPECT_LT(turn_between_rad(once.state.T_map_base, middle), 0.2 * M_PI / 180);
 
-    EXPECT_EQ(looked(empty_map, yard, other, region_about(other, {0, 0, 0}, 1)).reason,
-              "no place there fits");
-    EXPECT_EQ(looked(map, yard, other, region_about(other, {0, 900, 0}, 1)).reason,
-              "it should be 875 m outside of the map");
+    EXPECT_FALSE(looked(map, in_map(endless_corridor()), other, region_about(other, {0, 0, 0}, 1)).found);
+    EXPECT_EQ(looked(map, empty, middle, region_about(other, {0, 0, 0}, 0.5)).reason, "no place there fits");
+    // The yard reaches 30 m up to there.
+    const std::string far = looked(map, yard, other, region_about(other, {0, 900, 0}, 1)).reason;
+    EXPECT_EQ(far.substr(0, 14) + far.substr(16), "it should be 8 m outside of the map") << far;
     EXPECT_EQ(looked(map, yard, other, region_about(other, {0, 0, 0}, 50)).reason,
               "the place is known to 50 m only");
     EXPECT_EQ(looked(map, {yard[0]}, other, region_about(other, {0, 0, 0}, 1)).reason,
@@ -199,7 +200,7 @@ TEST(CloudLocalisationStart, is_not_taken_where_two_headings_fit_or_nothing_does
 }
 
 TEST(CloudLocalisationStart, is_the_same_for_any_number_of_threads) {
-    const auto world = walled_yard();
+    const auto world = in_map(walled_yard());
     const FrozenCloud map = cloud_of(world);
     std::mt19937_64 random(5);
     const Pose3 T_map_base = level_pose(4, -3, 1);
