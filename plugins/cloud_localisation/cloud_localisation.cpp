@@ -106,12 +106,11 @@ bool CloudLocalisation::follow(const GivenMotion* given, double duration_s, Stam
 }
 
 /// Large cubes draw the sweep in from afar, all of them then find its place.
-Registration CloudLocalisation::registered(const MotionState& predicted) const {
-    auto& workers = const_cast<WorkerPool&>(workers_);
+Registration CloudLocalisation::registered(const MotionState& predicted) {
     RegistrationSettings coarse = settings_.sweeps.registration;
     coarse.smallest_size = map_.surfaces().sizes() / 2;
-    const Registration drawn_in = register_sweep(map_.surfaces(), matched_, predicted, coarse, workers);
-    return register_sweep(map_.surfaces(), matched_, predicted, settings_.sweeps.registration, workers,
+    const Registration drawn_in = register_sweep(map_.surfaces(), matched_, predicted, coarse, workers_);
+    return register_sweep(map_.surfaces(), matched_, predicted, settings_.sweeps.registration, workers_,
                           &drawn_in.state);
 }
 

@@ -94,7 +94,7 @@ class CloudLocalisation {
     bool follow(const lidar_mapping::GivenMotion* given, double duration_s, StampNs middle_ns);
     LocalisedSweep search(const lidar::SpinningScan& scan, const lidar_mapping::GivenMotion* given,
                           StampNs middle_ns);
-    lidar_mapping::Registration registered(const lidar_mapping::MotionState& predicted) const;
+    lidar_mapping::Registration registered(const lidar_mapping::MotionState& predicted);
     bool fits(const lidar_mapping::Registration& found) const;
     bool is_certain() const;
     void begin_search(const std::optional<Guess>& guess);

@@ -98,7 +98,7 @@ TEST_F(CloudLocalisationRun, needs_to_know_where_the_map_lies_if_a_fix_is_to_tel
     const double latitude_deg = std::stod(text.substr(at));
     text.replace(at, text.find('\n', at) - at, std::to_string(latitude_deg + 0.1));
     folder_.write("map/georeference.txt", text);
-    const auto far = run(map, {}, "far");
+    const auto far = run(map, {"--set", "evaluation.truth_beside_log=false"}, "far");
     EXPECT_EQ(far.exit_code, exit_refused) << far.err;
     EXPECT_NE(far.err.find("never became certain: the fixes are 11"), std::string::npos) << far.err;
     EXPECT_NE(far.err.find("m outside of it, or farther; give the map of this place"), std::string::npos);
@@ -121,6 +121,7 @@ TEST_F(CloudLocalisationRun, takes_a_pose_that_is_given_and_refuses_one_that_is_
         const std::string section = "cloud_localisation.";
         const double yaw_deg = 2 * std::atan2(qz, qw) * 180 / M_PI + turned_deg;
         return std::vector<std::string>{"--set", section + "start=given",
+                                        "--set", section + "search_every_s=1",
                                         "--set", section + "start_x_m=" + std::to_string(x + 0.5),
                                         "--set", section + "start_y_m=" + std::to_string(y - 0.4),
                                         "--set", section + "start_z_m=" + std::to_string(z),
