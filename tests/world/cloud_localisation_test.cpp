@@ -137,10 +137,13 @@ TEST(CloudLocalisation, says_that_it_is_lost_and_finds_itself_again) {
         const auto sweep = localisation.add(
             sweep_at(is_away ? elsewhere : yard(), drive.at(k), drive.velocity, stamp_of(k), random));
         path.add(static_cast<std::uint64_t>(k), stamp_of(k), sweep);
-        if (!is_away && sweep.known)
+        if (!is_away && sweep.known) {
             EXPECT_LT((sweep.T_map_base.translation_m - drive.at(k).translation_m).norm(), 0.05) << k;
+        }
         unknown += is_away && !sweep.known ? 1 : 0;
-        if (k == sweeps - 1) EXPECT_TRUE(sweep.known) << localisation.latest_look().reason;
+        if (k == sweeps - 1) {
+            EXPECT_TRUE(sweep.known) << localisation.latest_look().reason;
+        }
     }
     EXPECT_GE(unknown, 4);
     EXPECT_EQ(localisation.counts().lost, 1);
