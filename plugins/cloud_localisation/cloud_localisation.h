@@ -27,7 +27,7 @@ struct LocalisationSettings {
     double lost_after_s = 2;  ///< without a sweep that fits
     double max_sigma_m = 1;   ///< nor is the place known if it is so uncertain
     /// Errors of the map, which all sweeps at a place share: of where it lies, and of its turn.
-    double sigma_map_m = 0.01, sigma_map_rad = 0.02 * M_PI / 180;
+    double sigma_map_m = 0.02, sigma_map_rad = 0.02 * M_PI / 180;
 };
 
 /// What a receiver says of its antenna's place, in the map's frame.

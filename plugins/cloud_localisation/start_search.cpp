@@ -158,7 +158,7 @@ bool is_another(const MotionState& a, const MotionState& b, const StartSettings&
 /// A place that matching has moved out of the region is none of it.
 bool is_within(const StartRegion& region, const MotionState& state, const StartSettings& settings) {
     const Eigen::Vector2d off_m = (state.T_map_base * region.p_base_m - region.p_map_m).head<2>();
-    if (off_m.norm() > (settings.window_sigmas + 1) * region.sigma_m + settings.rival_m) return false;
+    if (off_m.norm() > settings.window_sigmas * region.sigma_m + settings.step_m) return false;
     const double turn_rad = std::remainder(state.T_map_base.yaw_rad() - region.yaw_rad, 2 * M_PI);
     return !std::isfinite(region.sigma_yaw_rad) ||
            std::abs(turn_rad) < (settings.window_sigmas + 1) * region.sigma_yaw_rad + settings.rival_rad;

@@ -22,8 +22,8 @@ struct StartSettings {
     int places = 8;     ///< the best of them, which are matched in space
     int columns = 250;  ///< of the sweep that are laid on the map at most
     int min_columns = 25;
-    double min_fit = 0.45;  ///< part of the returns from upright things that lie on surfaces of the map
-    double rival = 0.8;  ///< another place that fits so well, as a part of the best one, makes it ambiguous
+    double min_fit = 0.5;  ///< part of the returns from upright things that lie on surfaces of the map
+    double rival = 0.8;    ///< another place that fits so well, as a part of the best one, makes it ambiguous
     double rival_m = 1, rival_rad = 5 * M_PI / 180;  ///< another place: farther than this, or so turned
     lidar_mapping::RegistrationSettings registration;
 };

@@ -36,10 +36,13 @@ struct Outcome {
     int starts = 0, found = 0, wrong = 0;
     double squares_m2 = 0, squares_deg2 = 0, worst_m = 0, worst_deg = 0, after_s = 0, latest_s = 0;
     double look_ms = 0, worst_look_ms = 0;
+    double least_fit = 1, most_rival = 0;
     std::int64_t looks = 0;
 
-    void add(double error_m, double error_deg, double after) {
+    void add(double error_m, double error_deg, double after, const StartLook& look) {
         ++found;
+        least_fit = std::min(least_fit, look.fit);
+        most_rival = std::max(most_rival, look.rival_fit / look.fit);
         if (error_m > wrong_m || error_deg > wrong_deg) {
             ++wrong;
             return;
@@ -55,10 +58,12 @@ struct Outcome {
         const double right = std::max(1, found - wrong);
         std::printf(
             "%d starts, %d found, %d of them wrong; first pose %.3f m rms, %.3f worst, heading %.3f deg rms, "
-            "%.3f worst; after %.2f s, %.2f at the latest; a look %.0f ms, %.0f worst\n",
+            "%.3f worst; after %.2f s, %.2f at the latest; a look %.0f ms, %.0f "
+            "worst; fits by %.2f at the least, another place by %.2f of that at the most\n",
             starts, found, wrong, std::sqrt(squares_m2 / right), worst_m, std::sqrt(squares_deg2 / right),
             worst_deg, after_s / right, latest_s,
-            look_ms / static_cast<double>(std::max<std::int64_t>(1, looks)), worst_look_ms);
+            look_ms / static_cast<double>(std::max<std::int64_t>(1, looks)), worst_look_ms, least_fit,
+            most_rival);
     }
 };
 
@@ -101,7 +106,8 @@ void start(const std::deque<Sweep>& sweeps, const FrozenCloud& map, double sigma
         if (!found.known) continue;
         const Pose3 off = found.T_map_base.inverse() * sweeps[k].T_map_base;
         outcome.add(off.translation_m.norm(), std::abs(off.yaw_rad()) * 180 / M_PI,
-                    seconds_between(sweeps[0].scan.stamp_ns, sweeps[k].scan.stamp_ns));
+                    seconds_between(sweeps[0].scan.stamp_ns, sweeps[k].scan.stamp_ns),
+                    localisation.latest_look());
         return;
     }
     std::printf("not found from %.1f: %s, %.2f against %.2f\n",
