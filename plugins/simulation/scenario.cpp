@@ -147,12 +147,17 @@ Street street_of(const Waypoints& route, const PushSettings& push) {
     return Street(points_m);
 }
 
+std::uint64_t seed_of_town(const Scenario& s) {
+    return s.town_seed != 0 ? s.town_seed : s.seed;
+}
+
 /// A town along waypoints, on ground that is drawn.
 void make_drawn_landscape(const Scenario& s, const Waypoints& route, const Pose2& T_map_world, Scene& scene) {
     Landscape& landscape = *scene.landscape;
-    landscape.ground = std::make_unique<Terrain>(s.terrain, T_map_world, s.seed);
+    landscape.ground = std::make_unique<Terrain>(s.terrain, T_map_world, seed_of_town(s));
     landscape.driven = street_of(repeated(route, s.laps), s.push);
-    landscape.town = grow_town(street_of(route, s.push), landscape.driven, *landscape.ground, s.town, s.seed);
+    landscape.town = grow_town(street_of(route, s.push), landscape.driven, *landscape.ground, s.town,
+                               {seed_of_town(s), s.seed});
     scene.drive.motion.put_on(*landscape.ground);
     roll_wheels_uphill(scene.drive, s.vehicle, s.push.slip_turn, s.seed);
 }
@@ -170,7 +175,8 @@ void make_recorded_landscape(const Scenario& s, Scene& scene) {
     }
     landscape.ground = std::make_unique<SplineGround>(ground_m, s.town.reach_m);
     landscape.driven = Street(places_m);
-    landscape.town = grow_town(landscape.driven, landscape.driven, *landscape.ground, s.town, s.seed);
+    landscape.town =
+        grow_town(landscape.driven, landscape.driven, *landscape.ground, s.town, {seed_of_town(s), s.seed});
     scene.drive.motion =
         motion_through(poses, s.path.rate_hz, static_cast<StampNs>(std::llround(s.drive.step_s * 1e9)));
     roll_wheels_uphill(scene.drive, s.vehicle, s.push.slip_turn, s.seed);

@@ -25,6 +25,7 @@ struct Scenario {
     double truth_hz = 0;  ///< poses of the true path besides those at scans
     std::vector<std::string> sensors{"wheels", "commands", "horizontal_laser"};
     Generator generator = Generator::none;
+    std::uint64_t town_seed = 0;  ///< of the town and its hills, without its cars; 0: `seed`
     FloorPlan plan;
     OfficeSettings office;
     CampusSettings campus;

@@ -3,7 +3,8 @@
 namespace loopline::simulation {
 namespace {
 
-ParameterTable world_table(FloorPlan& plan, Generator& generator, double& sigma_tilt_rad) {
+ParameterTable world_table(FloorPlan& plan, Generator& generator, std::uint64_t& town_seed,
+                           double& sigma_tilt_rad) {
     return ParameterTable("world", "Walls, in metres: drawn row by row, or by a generator from the seed.")
         .choice("generator", generator,
                 {{"none", Generator::none},
@@ -12,6 +13,10 @@ ParameterTable world_table(FloorPlan& plan, Generator& generator, double& sigma_
                  {"town", Generator::town}},
                 "Draws walls, route and people by the section of its name; none: the rows here and in "
                 "[route] do; town: a landscape along [route] or [path], for the spinning lidar.")
+        .seed("town_seed", town_seed,
+              "Of a town's houses, trees and hills, so that another drive finds them again, with other cars; "
+              "0: "
+              "[simulation] seed.")
         .real("height_m", plan.height_m, {0.1, 1000}, "Height of the walls, and of the ceiling.")
         .real("door_height_m", plan.door_height_m, {0.1, 1000}, "Above it, a door's wall goes on.")
         .boolean("ceiling", plan.ceiling, "Whether there is one.")
@@ -210,7 +215,7 @@ ParameterTable Scenario::simulation_table() {
 
 std::vector<ParameterTable> Scenario::tables() {
     return {simulation_table(),
-            world_table(plan, generator, sigma_tilt_rad),
+            world_table(plan, generator, town_seed, sigma_tilt_rad),
             office_table(office),
             campus_table(campus),
             town_table(town),

@@ -160,6 +160,28 @@ TEST(Town, keeps_off_the_way_and_off_itself) {
     }
 }
 
+TEST(Town, stands_where_it_stood_with_other_cars) {
+    const Street street = square_street();
+    const Terrain ground({}, Pose2{}, 1);
+    const Town before = grow_town(street, street, ground, {}, 1),
+               after = grow_town(street, street, ground, {}, {1, 2});
+    const auto& lots = after.lots.taken();
+    std::size_t again = 0, cars = 0;
+    for (const Footprint& was : before.lots.taken()) {
+        const bool is_there = std::any_of(lots.begin(), lots.end(), [&](const Footprint& is) {
+            return is.T_map_middle.translation() == was.T_map_middle.translation();
+        });
+        const bool is_car = was.width_m > 1.4 && was.width_m < 2.6 && was.length_m > 3.5;
+        cars += is_car ? 1 : 0;
+        again += is_there ? 1 : 0;
+        EXPECT_FALSE(is_car && is_there);
+    }
+    EXPECT_EQ(before.buildings, after.buildings);
+    EXPECT_GT(cars, 20U);
+    // All the others, but for the few that a car stands in the place of.
+    EXPECT_GT(again, 0.95 * double(before.lots.taken().size() - cars));
+}
+
 TEST(Town, is_that_of_its_seed) {
     const Street street = square_street();
     const Terrain ground({}, Pose2{}, 1);

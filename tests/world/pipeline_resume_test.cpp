@@ -1,4 +1,5 @@
 /// Broken runs of many kinds of modules and logs: each goes on to the same bytes.
+#include "support/placed_street_map.h"
 #include "support/resumed_run.h"
 #include "support/ring_log.h"
 #include "support/street_log.h"
@@ -178,5 +179,19 @@ TEST(ResumedRuns, of_a_map_that_another_odometry_drives_at_a_lower_rate) {
         EXPECT_EQ(runs.run("broken", false, Break::kill_all, 44), 137);  // while a sweep waits for the wheels
         EXPECT_EQ(runs.run("broken", true), 0);
         runs.expect_same("broken", "whole");
+    }
+}
+
+TEST(ResumedRuns, of_one_that_is_localised_in_a_finished_cloud) {
+    // The fourth sweep on is known; what was searched for before it is in the checkpoint too.
+    const BrokenRuns runs(test::placed_street_log(),
+                          "checkpoint_items = 4\nmodules = cloud_localisation\n[cloud_localisation]\nmap = " +
+                              test::placed_street_map() + "\n");
+    ASSERT_EQ(runs.run("whole", false), 0);
+    for (const std::uint64_t at : {6U, 60U}) {
+        EXPECT_EQ(runs.run("broken", false, Break::kill_all, at), 137);
+        EXPECT_EQ(runs.run("broken", true), 0);
+        runs.expect_same("broken", "whole");
+        std::filesystem::remove_all(runs.path("broken"));
     }
 }

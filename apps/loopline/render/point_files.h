@@ -10,17 +10,10 @@
 
 namespace loopline {
 
-/// The x, y, z of a .ply, .pcd or .las file. Rows of bytes stay on disk; text is kept in memory. Throws
-/// CommandError(exit_input_data) with a sentence.
+/// The x, y, z of a .ply, .pcd or .las file (point_files/point_file.h). Points on a grid of the Earth are
+/// drawn where they lie from the file's own origin: a float has no room for both kilometres by the thousand
+/// and centimetres. Throws CommandError(exit_input_data) with a sentence.
 std::shared_ptr<const PointSource> points_of_file(const std::filesystem::path& file);
-
-/// Of a PLY file (ascii or binary_little_endian, in the vertex element's order; other elements must come
-/// after it and hold no part in this).
-std::shared_ptr<const PointSource> ply_points(const std::filesystem::path& file);
-/// Of a PCD file (DATA ascii or binary; binary_compressed is refused with a sentence).
-std::shared_ptr<const PointSource> pcd_points(const std::filesystem::path& file);
-/// Of a LAS file, version 1.0 to 1.4, that is not compressed.
-std::shared_ptr<const PointSource> las_points(const std::filesystem::path& file);
 
 /// All that are finite, in memory.
 std::vector<Eigen::Vector3f> finite_points(const PointSource& points);

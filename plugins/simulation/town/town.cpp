@@ -17,6 +17,7 @@ constexpr double parked_right_m = 3.2;
 // What must stay free of any street's middle line.
 constexpr double building_clear_m = 6, car_clear_m = 2, thing_clear_m = 3.2, pavement_clear_m = 4;
 constexpr double sunk_m = 0.4;
+constexpr std::string_view parked_cars = "parked cars";
 
 struct Heights {
     double lowest_m, highest_m;
@@ -26,8 +27,8 @@ struct Heights {
 class Grower {
  public:
     Grower(const Street& along, const Street& driven, const Ground& ground, const TownSettings& settings,
-           std::uint64_t seed)
-        : along_(along), ground_(ground), settings_(settings), seed_(seed) {
+           const TownSeeds& seeds)
+        : along_(along), ground_(ground), settings_(settings), seed_(seeds.town), cars_seed_(seeds.cars) {
         streets_.add(driven);
     }
 
@@ -43,7 +44,7 @@ class Grower {
             build_row(street, side, random);
         });
         town_.buildings = town_.lots.taken().size();
-        for_all_sides("parked cars", [this](const Street& street, double side, RandomStream& random) {
+        for_all_sides(parked_cars, [this](const Street& street, double side, RandomStream& random) {
             scatter(settings_.parked_per_km, street, random,
                     [&](double way_m) { park(street, side, way_m, random); });
         });
@@ -92,7 +93,7 @@ class Grower {
     /// driven street first.
     template <class Visit>
     void for_all_sides(std::string_view purpose, const Visit& visit) {
-        RandomStream random(seed_, purpose);
+        RandomStream random(purpose == parked_cars ? cars_seed_ : seed_, purpose);
         for (const double side : {-1.0, 1.0}) visit(along_, side, random);
         for (const Street& street : side_streets_)
             for (const double side : {-1.0, 1.0}) visit(street, side, random);
@@ -258,7 +259,7 @@ class Grower {
     const Street& along_;
     const Ground& ground_;
     const TownSettings& settings_;
-    std::uint64_t seed_;
+    std::uint64_t seed_, cars_seed_;
     std::vector<Street> side_streets_;
     StreetIndex streets_;
     Town town_;
@@ -267,8 +268,8 @@ class Grower {
 }  // namespace
 
 Town grow_town(const Street& along, const Street& driven, const Ground& ground, const TownSettings& settings,
-               std::uint64_t seed) {
-    return Grower(along, driven, ground, settings, seed).grow();
+               const TownSeeds& seeds) {
+    return Grower(along, driven, ground, settings, seeds).grow();
 }
 
 }  // namespace loopline::simulation

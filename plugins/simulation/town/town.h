@@ -27,6 +27,13 @@ struct TownSettings {
     std::vector<std::vector<double>> tunnels;    ///< the same
 };
 
+/// What stands for years, and the cars that are parked that day.
+struct TownSeeds {
+    TownSeeds(std::uint64_t both) : town(both), cars(both) {}
+    TownSeeds(std::uint64_t of_town, std::uint64_t of_cars) : town(of_town), cars(of_cars) {}
+    std::uint64_t town, cars;
+};
+
 struct Town {
     TriangleMesh mesh;
     Lots lots;                  ///< all that stands on the ground
@@ -36,7 +43,7 @@ struct Town {
 /// Grows along `along`, and keeps clear of all that is `driven`, which may be several laps of it; in the map
 /// frame, as the ground is.
 Town grow_town(const Street& along, const Street& driven, const Ground& ground, const TownSettings& settings,
-               std::uint64_t seed);
+               const TownSeeds& seeds);
 
 /// Triangles between heights `side_m` apart, wherever the street is within reach; asphalt on streets, grass
 /// elsewhere.

@@ -1,11 +1,12 @@
-/// Points of a file in rows of bytes, read anew each time they are drawn: a cloud may be larger than memory.
+/// Points of a file in rows of bytes, read anew each time they are asked for: a cloud may be larger than
+/// memory.
 #pragma once
 
 #include <array>
 #include <filesystem>
 #include <string>
 
-#include "render/point_source.h"
+#include "point_files/point_file.h"
 
 namespace loopline {
 
@@ -26,24 +27,25 @@ struct PointRows {
     std::size_t row_bytes = 0;
     std::array<PointColumn, 3> axes;  ///< x, y, z
     Eigen::Vector3d unit_m = Eigen::Vector3d::Ones(), origin_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d grid_origin_m = Eigen::Vector3d::Zero();  ///< as PointFile has it
 };
 
-class PointsOfFile : public PointSource {
+class RowsOfFile : public PointFile {
  public:
-    /// Throws CommandError(exit_input_data), one sentence, where the file has fewer rows than it says.
-    explicit PointsOfFile(PointRows rows);
+    /// Throws PointFileError where the file has fewer rows than it says.
+    explicit RowsOfFile(PointRows rows);
     std::size_t size() const override { return static_cast<std::size_t>(rows_.points); }
-    /// Throws the same if the file has become shorter.
     void for_each(std::size_t stride, const Use& use) const override;
+    Eigen::Vector3d grid_origin_m() const override { return rows_.grid_origin_m; }
 
  private:
-    Eigen::Vector3f point_at(const char* row) const;
+    Eigen::Vector3d point_at(const char* row) const;
     [[noreturn]] void refuse_after(std::uint64_t row) const;
 
     PointRows rows_;
 };
 
-/// Throws CommandError(exit_input_data): "FILE WHAT."
+/// Throws PointFileError: "FILE WHAT".
 [[noreturn]] void refuse_points(const std::filesystem::path& file, const std::string& what);
 
 }  // namespace loopline

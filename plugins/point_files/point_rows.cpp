@@ -1,10 +1,9 @@
-#include "render/point_rows.h"
+#include "point_files/point_rows.h"
 
 #include <algorithm>
 #include <cstring>
 #include <fstream>
-
-#include "commands/command.h"
+#include <vector>
 
 namespace loopline {
 namespace {
@@ -33,10 +32,10 @@ double value_at(const char* bytes, const PointColumn& column) {
 }  // namespace
 
 void refuse_points(const std::filesystem::path& file, const std::string& what) {
-    throw CommandError(exit_input_data, file.string() + " " + what + ".");
+    throw PointFileError(file.string() + " " + what);
 }
 
-PointsOfFile::PointsOfFile(PointRows rows) : rows_(std::move(rows)) {
+RowsOfFile::RowsOfFile(PointRows rows) : rows_(std::move(rows)) {
     std::error_code error;
     const std::uint64_t bytes = std::filesystem::file_size(rows_.file, error);
     if (error) refuse_points(rows_.file, "can't be read");
@@ -44,21 +43,21 @@ PointsOfFile::PointsOfFile(PointRows rows) : rows_(std::move(rows)) {
     if (there < rows_.points) refuse_after(there);
 }
 
-void PointsOfFile::refuse_after(std::uint64_t row) const {
+void RowsOfFile::refuse_after(std::uint64_t row) const {
     refuse_points(rows_.file, "ends after " + std::to_string(row) + " of " + std::to_string(rows_.points) +
                                   " points; it was not written to its end");
 }
 
-Eigen::Vector3f PointsOfFile::point_at(const char* row) const {
+Eigen::Vector3d RowsOfFile::point_at(const char* row) const {
     Eigen::Vector3d p_m;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const PointColumn& column = rows_.axes[axis];
         p_m[static_cast<int>(axis)] = value_at(row + column.offset_bytes, column);
     }
-    return (rows_.origin_m + rows_.unit_m.cwiseProduct(p_m)).cast<float>();
+    return rows_.origin_m + rows_.unit_m.cwiseProduct(p_m);
 }
 
-void PointsOfFile::for_each(std::size_t stride, const Use& use) const {
+void RowsOfFile::for_each(std::size_t stride, const Use& use) const {
     std::ifstream in(rows_.file, std::ios::binary);
     in.seekg(static_cast<std::streamoff>(rows_.begin));
     const std::size_t rows_at_once = std::max<std::size_t>(1, bytes_at_once / rows_.row_bytes);

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <fstream>
 
-#include "render/point_files.h"
-#include "render/point_rows.h"
+#include "point_files/point_file.h"
+#include "point_files/point_rows.h"
 
 namespace loopline {
 namespace {
@@ -33,7 +33,7 @@ std::string header_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::shared_ptr<const PointSource> las_points(const std::filesystem::path& file) {
+std::shared_ptr<const PointFile> las_file(const std::filesystem::path& file) {
     const std::string header = header_of(file);
     if (las_number<std::uint8_t>(header, 104) >= 64)
         refuse_points(file, "is compressed, which can't be read; unpack it with laszip");
@@ -52,10 +52,9 @@ std::shared_ptr<const PointSource> las_points(const std::filesystem::path& file)
     if (rows.begin < least_header_bytes || rows.row_bytes < least_row_bytes || !rows.unit_m.allFinite() ||
         !rows.origin_m.allFinite())
         refuse_points(file, "has numbers in its header that no LAS file can have; it is damaged");
-    // Points on a grid of the Earth are drawn where they lie from the file's own origin: a float has no room
-    // for both kilometres by the thousand and centimetres.
-    if (rows.origin_m.head<2>().cwiseAbs().maxCoeff() > far_m) rows.origin_m.head<2>().setZero();
-    return std::make_shared<PointsOfFile>(std::move(rows));
+    if (rows.origin_m.head<2>().cwiseAbs().maxCoeff() > far_m)
+        rows.grid_origin_m.head<2>() = rows.origin_m.head<2>();
+    return std::make_shared<RowsOfFile>(std::move(rows));
 }
 
 }  // namespace loopline
