@@ -1,7 +1,6 @@
 #include "cloud_localisation/cloud_localisation_module.h"
 
 #include <mrpt/obs/CObservationGPS.h>
-#include <mrpt/obs/CObservationOdometry.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,11 +20,6 @@ using namespace lidar_mapping;
 
 namespace {
 
-bool is_pose(const mrpt::obs::CObservation& observation) {
-    return as<mrpt::obs::CObservationRobotPose>(&observation) != nullptr ||
-           as<mrpt::obs::CObservationOdometry>(&observation) != nullptr;
-}
-
 std::string decimals(double value, int digits) {
     char text[64];
     std::snprintf(text, sizeof text, "%.*f", digits, value);
@@ -42,9 +36,7 @@ ModuleInfo CloudLocalisationModule::info() const {
                     sweep_classes(),
                     {"CObservationRobotPose"}};
     (start_ == Start::gnss ? info.needs : info.uses).emplace_back("CObservationGPS");
-    if (!odometry_settings_.label.empty())
-        for (const char* pose : {"CObservationRobotPose", "CObservationOdometry"})
-            info.uses.emplace_back(pose);
+    led_settings_.use(info);
     return info;
 }
 
@@ -91,39 +83,17 @@ void CloudLocalisationModule::start(const RunContext& context) {
         map_ = std::make_unique<FrozenCloud>(*map.points, settings_.sweeps.map, workers);
     }
     localisation_ = std::make_unique<CloudLocalisation>(settings_, *map_, context.threads);
-    reader_ = std::make_unique<lidar::SpinningScanReader>(cloud_sweep_);
-    odometry_ = std::make_unique<PublishedOdometry>(odometry_settings_);
+    led_ = std::make_unique<LedSweeps>(led_settings_);
 }
 
 void CloudLocalisationModule::process(const StreamItem& item, Publisher& publisher) {
     if (const auto* gps = as<mrpt::obs::CObservationGPS>(item.observation.get()))
         return take_fix(*gps, item.stamp_ns);
-    if (odometry_->take(*item.observation)) {
-        if (waits_ && odometry_->reaches(now_.stamp_ns)) follow_waiting(publisher);
-        return;
-    }
-    if (is_pose(*item.observation)) return;
-    const std::string& label = item.observation->sensorLabel;
-    if (!sensors_.empty() && std::find(sensors_.begin(), sensors_.end(), label) == sensors_.end()) return;
-    if (waits_) follow_waiting(publisher);  // its pose has not come
-    if (!reader_->read(*item.observation, now_.scan)) {
-        ++unusable_;
-        return;
-    }
-    now_.sequence = item.sequence;
-    now_.stamp_ns = item.stamp_ns;
-    now_.timestamp = item.observation->timestamp;
-    waits_ = odometry_->wanted() && !odometry_->reaches(now_.stamp_ns);
-    if (!waits_) follow(now_, publisher);
+    led_->take(item, [&](const LedSweeps::Sweep& sweep) { follow(sweep, publisher); });
 }
 
 void CloudLocalisationModule::drain(Publisher& publisher) {
-    if (waits_) follow_waiting(publisher);
-}
-
-void CloudLocalisationModule::follow_waiting(Publisher& publisher) {
-    waits_ = false;
-    follow(now_, publisher);
+    led_->drain([&](const LedSweeps::Sweep& sweep) { follow(sweep, publisher); });
 }
 
 void CloudLocalisationModule::take_fix(const mrpt::obs::CObservationGPS& gps, StampNs stamp_ns) {
@@ -131,7 +101,7 @@ void CloudLocalisationModule::take_fix(const mrpt::obs::CObservationGPS& gps, St
     ++fixes_;
     const auto fix = gnss::fix_from_mrpt(gps, stamp_ns);
     if (!fix || !fix->is_usable()) return;
-    const fusion::SigmaOfFix sigma = fusion::sigma_of(*fix, fix_noise_);
+    const gnss::SigmaOfFix sigma = gnss::sigma_of(*fix, fix_noise_);
     const Eigen::Vector3d sigma_m(std::hypot(sigma.white_m.x(), sigma.correlated_m.x()),
                                   std::hypot(sigma.white_m.y(), sigma.correlated_m.y()),
                                   std::hypot(sigma.white_m.z(), sigma.correlated_m.z()));
@@ -150,14 +120,10 @@ void CloudLocalisationModule::take_fix(const mrpt::obs::CObservationGPS& gps, St
     localisation_->take_fix(in_map);
 }
 
-void CloudLocalisationModule::follow(const Waiting& now, Publisher& publisher) {
-    const double middle_s = (now.scan.begin_s + now.scan.end_s) / 2;
-    const StampNs middle_ns = now.scan.stamp_ns + std::llround(1e9 * middle_s);
-    const auto latest_ns = localisation_->latest_middle_ns();
-    std::optional<GivenMotion> given;
-    if (latest_ns && odometry_->wanted()) given = odometry_->motion(*latest_ns, middle_ns);
+void CloudLocalisationModule::follow(const LedSweeps::Sweep& now, Publisher& publisher) {
+    const auto given = led_->motion(localisation_->latest_middle_ns(), now.middle_ns());
     const LocalisedSweep localised = localisation_->add(now.scan, given ? &*given : nullptr);
-    odometry_->forget_before(middle_ns);
+    led_->forget_before(now.middle_ns());
     path_.add(now.sequence, now.stamp_ns, localised);
     if (!localised.known) return;
     publisher.publish(
@@ -240,13 +206,13 @@ void CloudLocalisationModule::finish(Results& results) {
     metrics["map_points"] = static_cast<std::int64_t>(map_->points());
     metrics["map_cells"] = static_cast<std::int64_t>(map_->surfaces().cells());
     metrics["map_area_m2"] = map_->area_m2();
-    if (unusable_ > 0) metrics["scans_unusable"] = unusable_;
+    if (led_->unusable() > 0) metrics["scans_unusable"] = led_->unusable();
     if (fixes_ > 0) {
         metrics["fixes_off_the_path"] = counts.fixes_off;
         metrics["moved_by_fixes"] = counts.moved_by_fixes;
     }
-    if (odometry_->wanted() && odometry_->taken() == 0)
-        results.warnings.push_back("[cloud_localisation] odometry = " + odometry_settings_.label +
+    if (led_->odometry_never_came())
+        results.warnings.push_back("[cloud_localisation] odometry = " + led_settings_.odometry.label +
                                    ", but no pose with that label came; the velocity was taken to go on");
     if (path_.sweeps() == 0) {
         results.refused =

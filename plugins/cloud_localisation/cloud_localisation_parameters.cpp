@@ -1,9 +1,11 @@
 /// The .ini section of module "cloud_localisation".
 #include "cloud_localisation/cloud_localisation_module.h"
+#include "lidar_mapping/matching_parameters.h"
 
 namespace loopline {
 
 using namespace cloud_localisation;
+using namespace lidar_mapping;
 
 ParameterTable CloudLocalisationModule::parameters() {
     auto& s = settings_;
@@ -24,36 +26,22 @@ ParameterTable CloudLocalisationModule::parameters() {
         .angle("start_yaw_deg", start_yaw_rad_, {-360, 360}, "As above, counter-clockwise.")
         .real("sigma_start_m", s.sigma_start_m, {1e-3, 100},
               "Standard deviation of the given place, along each axis.")
-        .angle("sigma_start_deg", s.sigma_start_rad, {0.01, 180}, "Standard deviation of the given heading.")
-        .list("sensors", sensors_, "Labels of the lidars whose sweeps are used; empty for all.")
-        .text("receiver", receiver_, "Label of the GNSS receiver; empty: any.")
+        .angle("sigma_start_deg", s.sigma_start_rad, {0.01, 180}, "Standard deviation of the given heading.");
+    led_settings_.declare_sensors(table);
+    table.text("receiver", receiver_, "Label of the GNSS receiver; empty: any.")
         .real("latency_s", latency_s_, {-10, 10}, "The log stamps fixes so much later than they are of.")
         .real(
             "sigma_map_m", s.sigma_map_m, {0, 10},
             "Standard deviation of where the map's surfaces are, along each axis, which sweeps at one place "
             "share.")
         .angle("sigma_map_deg", s.sigma_map_rad, {0, 10}, "The same of how they are turned.");
-    table.real("min_range_m", m.sampling.min_range_m, {0, 100}, "Nearer returns are of the vehicle itself.")
-        .real("max_range_m", m.sampling.max_range_m, {1, 1000}, "Farther returns are left out.")
-        .real("match_voxel_m", m.match_voxel_m, {0.01, 10},
-              "One return of a sweep from each cube of this edge is matched with the map.")
-        .real("cell_m", m.map.cell_m, {0.05, 10},
-              "Edge of the map's smallest cubes, each with one plane or edge.")
-        .integer("sizes", m.map.sizes, {1, 5}, "Sizes of cubes, each twice as large as the one before.")
-        .real("sigma_range_m", m.map.sigma_range_m, {1e-3, 1}, "Standard deviation of a range.")
-        .real("loss_scale", m.registration.loss_scale, {0.1, 100},
-              "A return that is so many standard deviations off its surface counts half.")
-        .real("sigma_degenerate_m", m.registration.sigma_degenerate_m, {1e-3, 10},
-              "A direction of motion that a sweep holds no better than this is not observed.")
-        .real("sigma_acceleration_mps2", m.motion.sigma_acceleration_mps2, {0.01, 100},
-              "How quickly the vehicle's speed changes.")
-        .real("sigma_turn_radps2", m.motion.sigma_turn_radps2, {0.01, 100}, "And its rates of turn.")
-        .text("odometry", odometry_settings_.label,
-              "Label of the odometry that predicts each sweep's pose, such as lidar_odometry; empty: the "
-              "velocity goes on as it was.")
-        .real("odometry_sigma_m", odometry_settings_.sigma_m, {1e-4, 100},
-              "Standard deviation of the odometry's way between two sweeps, beside what it says itself.")
-        .angle("odometry_sigma_deg", odometry_settings_.sigma_rad, {1e-3, 180}, "And of the turn.")
+    declare_range(table, m.sampling);
+    table.real("match_voxel_m", m.match_voxel_m, {0.01, 10},
+               "One return of a sweep from each cube of this edge is matched with the map.");
+    declare_surfaces(table, m.map);
+    declare_registration(table, m);
+    led_settings_.declare_odometry(table);
+    table
         .real("good_fit", s.good_fit, {0, 1},
               "Part of a sweep's returns on surfaces of the map from which on it counts as fitting.")
         .real("lost_after_s", s.lost_after_s, {0.1, 1000},
@@ -70,9 +58,8 @@ ParameterTable CloudLocalisationModule::parameters() {
               "Part of the returns from upright things that must lie on surfaces of the map.")
         .real("search_rival", s.start.rival, {0, 1},
               "Another place that fits so well, as a part of the best one, makes it ambiguous: the search "
-              "waits.")
-        .real("cloud_sweep_s", cloud_sweep_.sweep_s, {0, 10},
-              "Duration of a sweep whose points come without times.");
+              "waits.");
+    led_settings_.declare_cloud_sweep(table);
     return table;
 }
 

@@ -51,17 +51,15 @@ void fields(Archive& archive, LocalisedPath& path) {
 
 template <class Archive>
 void fields(Archive& archive, CloudLocalisationModule& m) {
-    archive(*m.localisation_, *m.odometry_, m.path_, m.unusable_, m.fixes_, m.fixes_usable_, m.nearest_fix_m_,
-            m.waits_);
-    if (m.waits_) archive(m.now_.sequence, m.now_.stamp_ns, m.now_.timestamp, m.now_.scan);
+    archive(*m.localisation_, *m.led_, m.path_, m.fixes_, m.fixes_usable_, m.nearest_fix_m_);
 }
 
 void CloudLocalisationModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 1, *this);
+    write_state(out, info().name, 2, *this);
 }
 
 void CloudLocalisationModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 1, *this);
+    read_state(in, info().name, 2, *this);
 }
 
 }  // namespace loopline

@@ -2,26 +2,9 @@
 
 #include <algorithm>
 
-#include "inertial/rotation_vector.h"
+#include "inertial/pose_error.h"
 
 namespace loopline::cloud_localisation {
-namespace {
-
-/// About a vehicle that is so far away: an error of the attitude turns the way.
-Matrix6d carried(const Matrix6d& covariance, const Eigen::Vector3d& way_m) {
-    Matrix6d F = Matrix6d::Identity();
-    F.topRightCorner<3, 3>() = -inertial::cross_matrix(way_m);
-    return F * covariance * F.transpose();
-}
-
-Matrix6d turned(const Matrix6d& covariance, const Eigen::Quaterniond& rotation) {
-    Matrix6d R = Matrix6d::Zero();
-    R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = rotation.toRotationMatrix();
-    return R * covariance * R.transpose();
-}
-
-}  // namespace
-
 void LocalisedPath::add(std::uint64_t sequence, StampNs stamp_ns, const LocalisedSweep& sweep) {
     const std::size_t index = sweeps_.size();
     if (sweep.begins_search) lost_.push_back({index, index, stamp_ns, stamp_ns, false});
@@ -45,14 +28,15 @@ void LocalisedPath::add(std::uint64_t sequence, StampNs stamp_ns, const Localise
 /// left of it.
 void LocalisedPath::lay_out_backwards(const LocalisedSweep& found) {
     const std::size_t first = lost_.back().first_sweep, end = sweeps_.size();
+    const Matrix6d R = inertial::turned_both(found.T_map_local->rotation);
     for (std::size_t k = first; k < end; ++k) {
         Sweep record = sweeps_[k];
         const Pose3 T_map_base = *found.T_map_local * record.T_map_base.pose();
+        const Matrix6d F = inertial::carried_along(T_map_base.translation_m - found.T_map_base.translation_m);
         const double left = 1 - static_cast<double>(k - first) / static_cast<double>(end - first);
         record.T_map_base = Pose3Record(T_map_base);
         Eigen::Map<Matrix6d>(record.covariance.data()) =
-            carried(found.covariance, T_map_base.translation_m - found.T_map_base.translation_m) +
-            left * turned(found.local_covariance, found.T_map_local->rotation);
+            F * found.covariance * F.transpose() + left * (R * found.local_covariance * R.transpose());
         record.has_place = 1;
         sweeps_.set(k, record);
     }

@@ -30,7 +30,9 @@ void CloudMapOptions::declare(ParameterTable& table) {
         .real("through_per_seen", r.through_per_seen, {0, 255},
               "and more than so many for each that saw something there.")
         .integer("surely_there", r.surely_there, {1, 255},
-                 "A place at which so many saw something, and through which none looked, is kept.")
+                 "A place at which so many saw something, and through which none looked, is kept, until so "
+                 "many more "
+                 "look through than still see it.")
         .real("cloud_sweep_s", cloud_sweep.sweep_s, {0, 10},
               "Duration of a sweep whose points come without times.");
 }

@@ -4,9 +4,11 @@
 
 namespace loopline::fusion {
 
+using inertial::carried_along;
 using inertial::cross_matrix;
 using inertial::exp_so3;
 using inertial::log_so3;
+using inertial::turned_both;
 
 EarthState moved_by(const EarthState& state, const StateVector& error) {
     EarthState moved = state;

@@ -5,9 +5,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "fusion/fix_noise.h"
 #include "fusion/motion.h"
 #include "fusion/wheel_motion.h"
+#include "gnss/fix_noise.h"
 
 namespace loopline::fusion {
 

@@ -192,7 +192,7 @@ void EarthPath::look_ahead() {
 FixUse EarthPath::apply(const gnss::GnssFix& fix) {
     settle_before(fix.stamp_ns);
     if (seconds_between(fix.stamp_ns, pose(*committed_).stamp_ns) > hardly_late_s) return FixUse::late;
-    SigmaOfFix sigma = sigma_of(fix, settings_.noise);
+    gnss::SigmaOfFix sigma = gnss::sigma_of(fix, settings_.noise);
     if (!fix.has_height) sigma.white_m.z() = no_height_sigma_m;
     follow_fix_error(fix.quality, sigma);
     for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, interpolation_sigma_m);
@@ -206,10 +206,10 @@ FixUse EarthPath::apply(const gnss::GnssFix& fix) {
 }
 
 /// From now on that of this kind of fix.
-void EarthPath::follow_fix_error(gnss::FixQuality quality, const SigmaOfFix& sigma) {
+void EarthPath::follow_fix_error(gnss::FixQuality quality, const gnss::SigmaOfFix& sigma) {
     fix_process_ = {sigma.correlation_s, sigma.correlated_m};
-    if (process_of(quality) == process_) return;
-    process_ = process_of(quality);
+    if (gnss::process_of(quality) == process_) return;
+    process_ = gnss::process_of(quality);
     const Carried renewed = with_new_fix_error(state_, sigma.correlated_m);
     steps_.push_back(SmootherStep(*committed_, state_, renewed));
     state_ = renewed.after;
@@ -339,12 +339,10 @@ std::vector<PoseOnEarth> EarthPath::path_of_odometry() const {
     for (std::size_t number = 0; number < poses(); ++number) {
         const Pose3& T_odom_base = pose(number).T_odom_base;
         if (number > 0) {
-            const Pose3& T_odom_before = pose(number - 1).T_odom_base;
-            const Matrix6d F = carried_along(T_odom_base.translation_m - T_odom_before.translation_m),
-                           R = turned_both(T_odom_before.rotation);
-            const Matrix6d added = pose(number).by_wheels ? noise_of(*pose(number).wheels, settings_.wheels)
-                                                          : odometry_to(number).covariance;
-            covariance = F * covariance * F.transpose() + R * added * R.transpose();
+            const Matrix6d of_motion = pose(number).by_wheels
+                                           ? noise_of(*pose(number).wheels, settings_.wheels)
+                                           : odometry_to(number).covariance;
+            covariance = inertial::grown(covariance, pose(number - 1).T_odom_base, T_odom_base, of_motion);
         }
         path.push_back({T_odom_base, covariance});
     }

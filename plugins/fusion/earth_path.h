@@ -17,7 +17,7 @@
 namespace loopline::fusion {
 
 struct EarthPathSettings {
-    FixNoiseSettings noise;
+    gnss::FixNoiseSettings noise;
     WheelNoise wheels;
     /// Of the odometry's way after 1 m, beside what it says itself: errors that neighbouring motions share.
     double drift_m = 0.001, drift_rad = 0.001 * M_PI / 180;
@@ -125,7 +125,7 @@ class EarthPath : public FusedPath {
     void commit_next();
     void use(const WaitingFix& waiting);
     FixUse apply(const gnss::GnssFix& fix);
-    void follow_fix_error(gnss::FixQuality quality, const SigmaOfFix& sigma);
+    void follow_fix_error(gnss::FixQuality quality, const gnss::SigmaOfFix& sigma);
     Moment moment(StampNs stamp_ns) const;
     bool update_place(const gnss::GnssFix& fix, const Pose3& T_base_then, const Eigen::Vector3d& white_m);
     void doubt_the_path(const Eigen::Vector3d& off_m);
@@ -150,7 +150,7 @@ class EarthPath : public FusedPath {
     EarthState ahead_;  ///< at the latest pose; in the odometry's frame until the heading is known
     Motion latest_motion_;
     FixErrorProcess fix_process_;  ///< of the slow error that is being followed
-    ErrorProcess process_ = ErrorProcess::none;
+    gnss::ErrorProcess process_ = gnss::ErrorProcess::none;
     std::vector<Misfit> misfits_;  ///< since the last fix that was used
     StampNs used_ns_ = 0;          ///< stamp of that
     SetAside<SmootherStep> steps_;

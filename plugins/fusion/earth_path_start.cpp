@@ -15,9 +15,9 @@ void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
     HeadingStart::Settings settings{settings_.heading_sigma_rad};
     if (poses_.back().by_wheels) settings.wheels = settings_.wheels.first;
     const std::size_t before = pose_before(fix.stamp_ns);
-    const auto found = start_.see(seconds_between(first_ns_, fix.stamp_ns),
-                                  T_odom_at(before, fix.stamp_ns) * fix.p_base_antenna_m,
-                                  earth_->p_enu_m(fix.antenna), sigma_of(fix, settings_.noise), settings);
+    const auto found = start_.see(
+        seconds_between(first_ns_, fix.stamp_ns), T_odom_at(before, fix.stamp_ns) * fix.p_base_antenna_m,
+        earth_->p_enu_m(fix.antenna), gnss::sigma_of(fix, settings_.noise), settings);
     if (!found) return;
     heading_ = {pose(before).way_m, found->sigma_rad};
     begin(found->T_enu_local);
@@ -32,7 +32,7 @@ void EarthPath::begin(const Pose3& T_enu_odom) {
         heading_sigma_factor * heading_.sigma_rad, Eigen::Vector3d::Zero(), settings_.wheels.first,
         settings_.sigma_antenna_m, settings_.sigma_antenna_m, 0;
     state_.covariance = sigma.cwiseAbs2().asDiagonal();
-    const Matrix6d R = turned_both(state_.T_enu_base.rotation);
+    const Matrix6d R = inertial::turned_both(state_.T_enu_base.rotation);
     state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
     committed_ = 0;
     for (const gnss::GnssFix& fix : early_) tally(fix, apply(fix));

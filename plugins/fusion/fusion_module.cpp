@@ -14,11 +14,6 @@ IMPLEMENTS_MRPT_OBJECT(FusionModule, Module, loopline)
 
 using namespace fusion;
 
-namespace {
-constexpr double least_gap_way_m = 20;  // of which a part of the way makes sense
-constexpr std::size_t most_told_gaps = 99;
-}  // namespace
-
 ModuleInfo FusionModule::info() const {
     ModuleInfo info{"fusion",
                     "The path on the Earth, by an odometry, wheels and a GNSS receiver: finds its heading "
@@ -33,112 +28,6 @@ ModuleInfo FusionModule::info() const {
     }
     if (!told_wheels_label_.empty()) info.uses.emplace_back("CObservationOdometry");
     return info;
-}
-
-ParameterTable FusionModule::parameters() {
-    auto& s = settings_;
-    ParameterTable table("fusion", info().sentence);
-    const auto noise = [&table](const std::string& kind, FixNoise& n, const std::string& which) {
-        table
-            .real(kind + "_white_m", n.white_m, {1e-4, 1000},
-                  "Standard deviation of east and of north of a " + which + ", of what is new in each.")
-            .real(kind + "_correlated_m", n.correlated_m, {0, 1000}, "The same of its slow error.")
-            .real(kind + "_correlation_s", n.correlation_s, {0.1, 1e6}, "How long that lasts.");
-    };
-    table
-        .choice("filter", filter_, {{"error_state", Filter::error_state}, {"paper", Filter::paper}},
-                "On errors of the pose and of its sensors, smoothed at the end; or the paper's light one.")
-        .choice("sync", sync_, {{"interpolate", Sync::interpolate}, {"threshold", Sync::threshold}},
-                "Each sensor at its own time; or, with filter = paper, only frames of which all sensors tell "
-                "something within sync_s, others going on by the odometry alone.")
-        .real("sync_s", paper_settings_.sync_s, {0, 10}, "The threshold of that.")
-        .text(
-            "motion", motion_label_,
-            "Label of the poses that tell the motion, CObservationRobotPose, such as lidar_mapping or "
-            "lidar_odometry; the module that publishes them may stand before fusion or behind it. Empty: the "
-            "wheels alone.")
-        .text("wheels", told_wheels_label_,
-              "Label of wheel odometry, CObservationOdometry, such as odometry_at_sweep or that of the log; "
-              "empty: none.")
-        .text("receiver", receiver_label_, "Label of the GNSS receiver; empty: any.")
-        .real("drift_m", s.drift_m, {0, 10},
-              "What the motion errs by after 1 m, beside what its covariance says; it grows with the root of "
-              "the way.")
-        .angle("drift_deg", s.drift_rad, {0, 10}, "The same of its turn.")
-        .real("wheel_scale", s.wheels.first[way_scale], {0, 1},
-              "Standard deviation of the wheels' scale, 1 being all of the way, before anything tells it.")
-        .real("wheel_turn_scale", s.wheels.first[turn_scale], {0, 2}, "The same of the scale of their turn.")
-        .angle("wheel_bend_deg", s.wheels.first[bend], {0, 45},
-               "The same of what they turn too far in 1 m, as by a steering that is off its middle.")
-        .real("wheel_one_sided", s.wheels.first[one_sided], {0, 1},
-              "The same of what turns to the left are larger by, and those to the right smaller.")
-        .real("wheel_curve_m2", s.wheels.first[curve], {0, 100},
-              "The same of what turns are larger by, times their curvature squared: steering is not linear.")
-        .real("wheel_along_m", s.wheels.along_m, {0, 10},
-              "Noise of the wheels' way after 1 m; it grows with the root of the way.")
-        .real("wheel_across_m", s.wheels.across_m, {0, 10}, "The same to the side.")
-        .angle("wheel_turn_deg", s.wheels.turn_rad, {0, 45}, "The same of the heading after 1 m.")
-        .angle("wheel_turn_per_turn_deg", s.wheels.turn_per_turn_rad, {0, 360},
-               "And after one full turn, beside it.")
-        .real("wheel_up_m", s.wheels.up_m, {0, 10},
-              "What the road rises by after 1 m, which wheels do not tell, beside what its slope does.")
-        .angle("wheel_tilt_deg", s.wheels.tilt_rad, {0, 45}, "And what its slope changes by after 1 m.")
-        .real(
-            "held_m", s.held_m, {1e-6, 10},
-            "Where the odometry is less certain of a motion than this it may have it from the wheels, which "
-            "lead it along a tunnel: there they count alone.")
-        .angle("held_deg", s.held_rad, {1e-6, 180}, "The same of a turn.")
-        .real("slip_gate", s.slip_gate, {0.5, 0.9999999},
-              "Part of good wheel readings that are to pass: wheels that are farther from the odometry's "
-              "motion have slipped.");
-    noise("fixed", s.noise.fixed, "fix with whole ambiguities");
-    noise("float", s.noise.floating, "float fix");
-    noise("differential", s.noise.differential, "differential fix");
-    noise("single", s.noise.single, "single fix");
-    table
-        .real("vertical_factor", s.noise.vertical_factor, {0.1, 100},
-              "Errors of the height are so many times those.")
-        .real("sigma_velocity_mps", s.noise.sigma_velocity_mps, {1e-3, 100},
-              "Standard deviation of the receiver's velocity, east and north each.")
-        .angle(
-            "sigma_roll_deg", s.sigma_roll_rad, {0.01, 90},
-            "Standard deviation of how far the vehicle leans to the side at its first pose; roads lean less "
-            "than they climb.")
-        .angle("sigma_pitch_deg", s.sigma_pitch_rad, {0.01, 90}, "And of how steeply it stands there.")
-        .real("sigma_antenna_m", s.sigma_antenna_m, {0, 10},
-              "Standard deviation of the antenna's place on the vehicle, forward and to the left each, about "
-              "what the log says; it is found where the vehicle turns.")
-        .angle("heading_sigma_deg", s.heading_sigma_rad, {0.01, 20},
-               "The heading is taken to be known with this standard deviation.")
-        .real("gate", s.gate, {0.5, 0.999999},
-              "Part of good fixes that are to pass: what is farther off than they are is refused.")
-        .real("re_entry_s", s.re_entry_s, {1, 3600},
-              "If no fix was used for so long, those that agree with one another for some seconds are right, "
-              "whatever the path so far says.")
-        .real("late_s", s.late_s, {0, 60}, "A fix that comes later than this is of no use.")
-        .real("latency_s", latency_s_, {-10, 10},
-              "The log stamps fixes so much later than they are of, as when they are stamped on reception.")
-        .real("withhold_s", withhold_s_, {0, 3600},
-              "Fixes are withheld for so long, again and again, to see how far the path is from them at the "
-              "end of each such gap; 0: never.")
-        .real("withhold_every_s", withhold_every_s_, {1, 1e6}, "And so often: at the end of each such time.");
-    return table;
-}
-
-std::string FusionModule::check() const {
-    if (motion_label_.empty() && told_wheels_label_.empty())
-        return "motion and wheels are both empty; name the label of poses in one of them, such as motion = "
-               "lidar_mapping";
-    if (sync_ == Sync::threshold && filter_ != Filter::paper)
-        return "sync = threshold is for filter = paper; the other filter takes each fix at its own time";
-    if (filter_ == Filter::paper && motion_label_.empty())
-        return "filter = paper works on the clock of an odometry in space; name its label in motion, or take "
-               "filter = error_state for wheels alone";
-    if (withhold_s_ > 0 && withhold_s_ >= withhold_every_s_)
-        return "withhold_s = " + std::to_string(withhold_s_) +
-               " leaves no fixes at all; make it shorter than "
-               "withhold_every_s";
-    return {};
 }
 
 void FusionModule::start(const RunContext& context) {
@@ -204,6 +93,11 @@ bool FusionModule::is_withheld(StampNs stamp_ns) const {
 
 /// If wheels tell of the same motion, it waits for them: they may stand behind it in the log.
 void FusionModule::take_pose(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher) {
+    if (!pose.T_map_base.translation_m.allFinite() || !pose.T_map_base.rotation.coeffs().allFinite() ||
+        !pose.covariance.allFinite()) {
+        ++not_finite_;
+        return;
+    }
     if (waiting_) follow(waiting_->first, waiting_->second, publisher);
     waiting_.reset();
     if (last_ && now.stamp_ns <= last_ns_) {
@@ -235,7 +129,11 @@ void FusionModule::drain(Publisher& publisher) {
 void FusionModule::take_wheels(const Moment& now, const Pose2& T_odom_base, Publisher& publisher) {
     const bool finite = std::isfinite(T_odom_base.x_m) && std::isfinite(T_odom_base.y_m) &&
                         std::isfinite(T_odom_base.phi_rad);
-    if (!finite || !wheel_path_.take(now.stamp_ns, T_odom_base)) {
+    if (!finite) {
+        ++not_finite_;
+        return;
+    }
+    if (!wheel_path_.take(now.stamp_ns, T_odom_base)) {
         ++backwards_;
         return;
     }
@@ -269,9 +167,7 @@ void FusionModule::publish(const Moment& now, const Pose3& T_odom_base, Publishe
         auto& [T_fused_base, covariance] = fused_odometry_;
         const Pose3 T_fused_before = T_fused_base;
         T_fused_base = T_fused_base * motion.T_from_to;
-        const Matrix6d F = carried_along(T_fused_base.translation_m - T_fused_before.translation_m),
-                       R = turned_both(T_fused_before.rotation);
-        covariance = F * covariance * F.transpose() + R * motion.covariance * R.transpose();
+        covariance = inertial::grown(covariance, T_fused_before, T_fused_base, motion.covariance);
         publisher.publish(pose_observation(odometry_label, now.timestamp, T_fused_base, covariance),
                           now.sequence);
     }
@@ -313,115 +209,6 @@ void FusionModule::finish(Results& results) {
     trajectory_.finish_revision();
     report(results);
     if (results.earth) hand_over_inputs(path.front().T_enu_base, results);
-}
-
-/// What the path was made from, for who wants to compare: the motion alone, from the first pose on, and the
-/// fixes.
-void FusionModule::hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const {
-    const Pose3 T_enu_odom = T_enu_base_first * online_.front().T_odom_base.pose().inverse();
-    auto motion = std::make_shared<Trajectory>();
-    motion->keep_in(scratch_folder_);
-    for (const Online& online : online_)
-        motion->append(online.sequence, online.stamp_ns, T_enu_odom * online.T_odom_base.pose(), {});
-    results.uncorrected = NamedPath{"without fixes", motion};
-    results.fixes.list = &fixes_;
-    for (std::size_t use = 0; use < fix_uses; ++use)
-        results.fixes.fates.push_back(name_of(static_cast<FixUse>(use)));
-}
-
-void FusionModule::report(Results& results) const {
-    auto& metrics = results.metrics;
-    const auto count = [&](FixUse use) { return static_cast<std::int64_t>(path_->count(use)); };
-    std::int64_t refused = 0;
-    for (std::size_t i = 1; i < fix_uses; ++i) {
-        const auto use = static_cast<FixUse>(i);
-        refused += count(use);
-        if (count(use) > 0) metrics[std::string("gnss_refused_") + name_of(use)] = count(use);
-    }
-    if (backwards_ > 0) metrics["poses_backward"] = backwards_;
-    report_wheels(results);
-    report_gaps(results);
-    metrics["gnss_used"] = count(FixUse::used);
-    metrics["gnss_refused"] = refused;
-    if (!path_->known()) {
-        results.warnings.push_back(
-            "the fixes of the receiver never told the heading of the path, so it is not placed on the Earth; "
-            "its frame is that of " +
-            (motion_label_.empty() ? told_wheels_label_ : motion_label_));
-        return;
-    }
-    const gnss::Geodetic& origin = path_->earth()->origin();
-    results.earth =
-        EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0, geoid_separation_m_};
-    metrics["heading_found_way_m"] = path_->heading().way_m;
-    metrics["heading_found_sigma_deg"] = path_->heading().sigma_rad * 180 / M_PI;
-    if (paper_ != nullptr) metrics["frames_fused"] = static_cast<std::int64_t>(paper_->fused());
-    if (error_state_ == nullptr) return;
-    metrics["gnss_re_entries"] = static_cast<std::int64_t>(error_state_->re_entries());
-    metrics["gnss_mean_square"] = error_state_->mean_square();
-    if (settings_.sigma_antenna_m > 0) {
-        metrics["antenna_forward_off_m"] = error_state_->antenna_off_m().x();
-        metrics["antenna_left_off_m"] = error_state_->antenna_off_m().y();
-    }
-}
-
-void FusionModule::report_wheels(Results& results) const {
-    if (told_wheels_label_.empty() || error_state_ == nullptr) return;
-    auto& metrics = results.metrics;
-    if (!motion_label_.empty()) {
-        metrics["wheels_used"] = static_cast<std::int64_t>(path_->wheel_use().used);
-        metrics["wheels_mean_square"] = path_->wheel_use().mean_square();
-        metrics["wheels_refused_slipped"] = static_cast<std::int64_t>(path_->wheel_use().slipped);
-    }
-    const auto& errors = error_state_->wheel_errors();
-    const auto sigmas = error_state_->wheel_error_sigmas();
-    metrics["wheel_scale"] = 1 + errors[way_scale];
-    metrics["wheel_scale_sigma"] = sigmas[way_scale];
-    metrics["wheel_turn_scale"] = 1 + errors[turn_scale];
-    metrics["wheel_turn_scale_sigma"] = sigmas[turn_scale];
-    metrics["wheel_bend_deg"] = errors[bend] * 180 / M_PI;
-    metrics["wheel_bend_sigma_deg"] = sigmas[bend] * 180 / M_PI;
-    metrics["wheel_one_sided"] = errors[one_sided];
-    metrics["wheel_curve_m2"] = errors[curve];
-}
-
-/// How far the path was from the last fix of each gap, on the plan, and its motion alone from where that
-/// began.
-void FusionModule::report_gaps(Results& results) const {
-    if (withhold_s_ == 0 || error_state_ == nullptr) return;
-    const auto& gaps = error_state_->gaps();
-    results.metrics["gaps"] = static_cast<std::int64_t>(gaps.size());
-    const auto sum_up = [&](const std::string& of, Eigen::Vector3d Gap::*off) {
-        double squares = 0, worst_m = 0, parts = 0, worst_part = 0;
-        std::size_t moving = 0;
-        for (const Gap& gap : gaps) {
-            const double off_m = (gap.*off).head<2>().norm();
-            squares += off_m * off_m;
-            worst_m = std::max(worst_m, off_m);
-            if (gap.way_m < least_gap_way_m) continue;
-            ++moving;
-            parts += off_m / gap.way_m;
-            worst_part = std::max(worst_part, off_m / gap.way_m);
-        }
-        if (gaps.empty()) return;
-        results.metrics["gap_end_" + of + "rmse_m"] = std::sqrt(squares / static_cast<double>(gaps.size()));
-        results.metrics["gap_end_" + of + "worst_m"] = worst_m;
-        if (moving == 0) return;
-        results.metrics["gap_end_" + of + "mean_percent"] = 100 * parts / static_cast<double>(moving);
-        results.metrics["gap_end_" + of + "worst_percent"] = 100 * worst_part;
-    };
-    for (std::size_t i = 0; i < gaps.size() && i < most_told_gaps; ++i) {
-        const Gap& gap = gaps[i];
-        const std::string key = "gap_" + std::string(i < 9 ? "0" : "") + std::to_string(i + 1) + "_";
-        results.metrics[key + "from_s"] = seconds_between(first_ns_, gap.from_ns);
-        results.metrics[key + "to_s"] = seconds_between(first_ns_, gap.to_ns);
-        results.metrics[key + "way_m"] = gap.way_m;
-        results.metrics[key + "error_m"] = gap.off_m.head<2>().norm();
-        results.metrics[key + "sigma_m"] = gap.sigma_m.head<2>().norm();
-        results.metrics[key + "dead_reckoning_m"] = gap.dead_reckoning_off_m.head<2>().norm();
-    }
-    sum_up("error_", &Gap::off_m);
-    sum_up("dead_reckoning_", &Gap::dead_reckoning_off_m);
 }
 
 }  // namespace loopline

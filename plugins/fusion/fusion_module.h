@@ -102,7 +102,7 @@ class FusionModule : public Module {
     SetAside<PlacedFix> fixes_;                 ///< all with a place, as their fate was known
     std::optional<double> geoid_separation_m_;  ///< of the first of them
     std::filesystem::path scratch_folder_;
-    std::int64_t backwards_ = 0;
+    std::int64_t backwards_ = 0, not_finite_ = 0;
 
     Trajectory trajectory_;  ///< laid out at the end
 };

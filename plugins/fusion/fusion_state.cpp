@@ -28,6 +28,11 @@ void fields(Archive& archive, GnssFix& fix) {
             fix.speed_mps, fix.course_rad, fix.heading_rad, fix.p_base_antenna_m);
 }
 
+template <class Archive>
+void fields(Archive& archive, SigmaOfFix& sigma) {
+    archive(sigma.white_m, sigma.correlated_m, sigma.correlation_s);
+}
+
 }  // namespace gnss
 
 namespace fusion {
@@ -56,11 +61,6 @@ template <class Archive>
 void fields(Archive& archive, WheelPath& path) {
     archive.each(path.samples_,
                  [](Archive& a, WheelPath::Sample& sample) { a(sample.stamp_ns, sample.T_odom_base); });
-}
-
-template <class Archive>
-void fields(Archive& archive, SigmaOfFix& sigma) {
-    archive(sigma.white_m, sigma.correlated_m, sigma.correlation_s);
 }
 
 template <class Archive>
@@ -140,15 +140,15 @@ void fields(Archive& archive, FusionModule& m) {
         archive(moment.sequence, moment.stamp_ns, moment.timestamp, pose);
     }
     archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
-            m.fused_odometry_, m.online_, m.backwards_, m.fixes_, m.geoid_separation_m_);
+            m.fused_odometry_, m.online_, m.backwards_, m.not_finite_, m.fixes_, m.geoid_separation_m_);
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 2, *this);
+    write_state(out, info().name, 3, *this);
 }
 
 void FusionModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 2, *this);
+    read_state(in, info().name, 3, *this);
 }
 
 }  // namespace loopline

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "api/pose3.h"
-#include "fusion/fix_noise.h"
+#include "gnss/fix_noise.h"
 
 namespace loopline::fusion {
 
@@ -15,7 +15,7 @@ namespace loopline::fusion {
 struct SeenFix {
     double time_s = 0;
     Eigen::Vector3d p_local_m, p_enu_m;
-    SigmaOfFix sigma;
+    gnss::SigmaOfFix sigma;
 };
 
 struct FoundHeading {

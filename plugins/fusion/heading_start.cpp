@@ -14,7 +14,7 @@ constexpr std::size_t enough_to_judge = 12;
 }  // namespace
 
 std::optional<FoundHeading> HeadingStart::see(double time_s, const Eigen::Vector3d& p_local_m,
-                                              const Eigen::Vector3d& p_enu_m, SigmaOfFix sigma,
+                                              const Eigen::Vector3d& p_enu_m, gnss::SigmaOfFix sigma,
                                               const Settings& settings) {
     if (!seen_.empty() && (p_local_m - seen_.back().p_local_m).norm() < seen_every_m) return std::nullopt;
     if (seen_.size() >= most_seen) {  // every second one

@@ -20,7 +20,7 @@ class HeadingStart {
     /// The next fix, at `time_s`: where the antenna is by the path and by the fix. The heading, once it is
     /// known.
     std::optional<FoundHeading> see(double time_s, const Eigen::Vector3d& p_local_m,
-                                    const Eigen::Vector3d& p_enu_m, SigmaOfFix sigma,
+                                    const Eigen::Vector3d& p_enu_m, gnss::SigmaOfFix sigma,
                                     const Settings& settings);
     void clear() { seen_ = {}; }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/attitude.h"
 #include "api/pose2.h"
 
 namespace loopline::fusion {
@@ -17,10 +18,7 @@ Vector6d as_numbers(const Pose3& pose) {
 }
 
 Pose3 as_pose(const Vector6d& numbers) {
-    const Eigen::Quaterniond rotation = Eigen::AngleAxisd(numbers[5], Eigen::Vector3d::UnitZ()) *
-                                        Eigen::AngleAxisd(numbers[4], Eigen::Vector3d::UnitY()) *
-                                        Eigen::AngleAxisd(numbers[3], Eigen::Vector3d::UnitX());
-    return {numbers.head<3>(), rotation};
+    return {numbers.head<3>(), attitude(numbers[5], numbers[4], numbers[3])};
 }
 
 void PaperFilter::predict(double way_m, double turn_rad, const Matrix6d& R) {

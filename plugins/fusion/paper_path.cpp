@@ -97,7 +97,7 @@ PaperPath::Step PaperPath::next(const Step& before, const Frame& from, const Fra
             from_antenna_m +=
                 way_to_frame(from.stamp_ns, from.T_odom_base, to.stamp_ns, to.T_odom_base, fix->stamp_ns);
         T_enu_by_fix.translation_m = earth_->p_enu_m(fix->antenna) + T_enu_by_fix.rotation * from_antenna_m;
-        const SigmaOfFix sigma = sigma_of(*fix, settings_.noise);
+        const gnss::SigmaOfFix sigma = gnss::sigma_of(*fix, settings_.noise);
         Vector6d of_fix = Vector6d::Zero();
         for (int axis = 0; axis < 3; ++axis)
             of_fix[axis] = std::hypot(sigma.white_m[axis], sigma.correlated_m[axis]);
@@ -135,7 +135,7 @@ void PaperPath::look_for_heading(const gnss::GnssFix& fix) {
     early_.push_back(fix);
     const auto found = start_.see(
         seconds_between(first_ns_, fix.stamp_ns), T_odom_at(fix.stamp_ns) * fix.p_base_antenna_m,
-        earth_->p_enu_m(fix.antenna), sigma_of(fix, settings_.noise), {settings_.heading_sigma_rad});
+        earth_->p_enu_m(fix.antenna), gnss::sigma_of(fix, settings_.noise), {settings_.heading_sigma_rad});
     if (!found) return;
     heading_ = {way_m_, found->sigma_rad};
     for (const gnss::GnssFix& early : early_) tally(early, FixUse::used);

@@ -7,10 +7,10 @@
 
 #include "api/pose3_record.h"
 #include "api/set_aside.h"
-#include "fusion/fix_noise.h"
 #include "fusion/fused_path.h"
 #include "fusion/heading_start.h"
 #include "fusion/paper_filter.h"
+#include "gnss/fix_noise.h"
 
 namespace loopline::fusion {
 
@@ -27,7 +27,7 @@ struct PaperSettings {
     double process_m = 0.2, process_rad = 2 * M_PI / 180;
     double lidar_m = 0.03, lidar_rad = 0.1 * M_PI / 180;
     double wheels_m = 0.05, wheels_rad = 0.5 * M_PI / 180;
-    FixNoiseSettings noise;
+    gnss::FixNoiseSettings noise;
     double heading_sigma_rad = 3 * M_PI / 180;  ///< with which the heading is taken to be known
     double late_s = 5;                          ///< a fix that comes later than this is of no use
 };

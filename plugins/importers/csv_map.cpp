@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "api/attitude.h"
 #include "config/did_you_mean.h"
 #include "config/paths.h"
 #include "config/section_reader.h"
@@ -87,10 +88,7 @@ bool Section::has_any(const std::vector<std::string>& keys) const {
 }
 
 Pose3 Section::T_base_sensor() const {
-    return {{x_m, y_m, z_m},
-            Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
-                               Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()) *
-                               Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitX()))};
+    return {{x_m, y_m, z_m}, attitude(yaw_rad, pitch_rad, roll_rad)};
 }
 
 Origin ColumnMap::origin(const Section& section, const std::string& key) {

@@ -1,5 +1,7 @@
 #include "importers/csv_reference.h"
 
+#include "api/attitude.h"
+
 namespace loopline::csv {
 
 Reference::Reference(ColumnMap& map, const Section& section, const std::string& path,
@@ -30,9 +32,7 @@ Eigen::Quaterniond Reference::rotation() const {
         return section_.quaternion_is_inverse ? q.conjugate() : q;
     }
     const double yaw_rad = yaw_ != Rows::none ? rows_.value(yaw_) : M_PI / 2 - rows_.value(heading_);
-    return Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()) *
-                              Eigen::AngleAxisd(rows_.value_or(pitch_, 0), Eigen::Vector3d::UnitY()) *
-                              Eigen::AngleAxisd(rows_.value_or(roll_, 0), Eigen::Vector3d::UnitX()));
+    return attitude(yaw_rad, rows_.value_or(pitch_, 0), rows_.value_or(roll_, 0));
 }
 
 Pose3 Reference::in_local_frame(const Eigen::Vector3d& p_ecef_m, const Eigen::Matrix3d& R_ecef_sensor) {

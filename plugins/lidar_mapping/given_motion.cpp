@@ -1,6 +1,6 @@
 #include "lidar_mapping/given_motion.h"
 
-#include "inertial/rotation_vector.h"
+#include "inertial/pose_error.h"
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -36,13 +36,10 @@ MotionState predict(const MotionState& state, const GivenMotion& given, double d
     }
     next.T_map_base = state.T_map_base * T_last_now;
 
-    Matrix6d F = Matrix6d::Identity(), R = Matrix6d::Zero();
-    F.topRightCorner<3, 3>() =
-        -inertial::cross_matrix(next.T_map_base.translation_m - state.T_map_base.translation_m);
-    R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = state.T_map_base.rotation.toRotationMatrix();
+    const Matrix6d R = inertial::turned_both(state.T_map_base.rotation);
     next.covariance.setZero();
     next.covariance.topLeftCorner<6, 6>() =
-        F * state.covariance.topLeftCorner<6, 6>() * F.transpose() + R * motion * R.transpose();
+        inertial::grown(state.covariance.topLeftCorner<6, 6>(), state.T_map_base, next.T_map_base, motion);
     next.covariance.bottomRightCorner<6, 6>() = R * velocity * R.transpose();
     return next;
 }

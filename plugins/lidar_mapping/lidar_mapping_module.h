@@ -8,8 +8,7 @@
 #include "api/pose3_record.h"
 #include "api/set_aside.h"
 #include "api/timed_per.h"
-#include "lidar/observation_scan.h"
-#include "lidar_mapping/published_odometry.h"
+#include "lidar_mapping/led_sweeps.h"
 #include "lidar_mapping/sweep_mapping.h"
 
 namespace loopline {
@@ -39,37 +38,24 @@ class LidarMappingModule : public Module, public TimedPerSweep {
         Pose3Record T_map_base;
         std::array<double, 36> covariance{};
     };
-    /// A sweep on its way; with an odometry it waits for the pose of its time.
-    struct Waiting {
-        std::uint64_t sequence = 0;
-        StampNs stamp_ns = 0;
-        mrpt::Clock::time_point timestamp;
-        lidar::SpinningScan scan;
-    };
     struct Placed {
         lidar_mapping::MotionState state;  ///< in the middle of the sweep
         Matrix6d covariance = Matrix6d::Zero();
     };
-    void follow(const Waiting& sweep, Publisher& publisher);
+    void follow(const lidar_mapping::LedSweeps::Sweep& sweep, Publisher& publisher);
     Placed place(const lidar::SpinningScan& scan, StampNs middle_ns);
-    void follow_waiting(Publisher& publisher);
-    void publish(const Waiting& sweep, const Pose3& T_map_base, const Matrix6d& covariance,
-                 Publisher& publisher) const;
+    void publish(const lidar_mapping::LedSweeps::Sweep& sweep, const Pose3& T_map_base,
+                 const Matrix6d& covariance, Publisher& publisher) const;
 
     lidar_mapping::SweepMappingSettings settings_;
-    lidar::SweepConvention cloud_sweep_;
-    std::vector<std::string> sensors_;  ///< labels; empty for all
-    lidar_mapping::PublishedOdometrySettings odometry_settings_;
+    lidar_mapping::LedSweepsSettings led_settings_;
     int every_sweeps_ = 1;
 
-    std::unique_ptr<lidar::SpinningScanReader> reader_;
+    std::unique_ptr<lidar_mapping::LedSweeps> led_;
     std::unique_ptr<lidar_mapping::SweepMapping> mapping_;
-    std::unique_ptr<lidar_mapping::PublishedOdometry> odometry_;
-    Waiting now_;
-    bool waits_ = false;  ///< the sweep in now_
-    int between_ = 0;     ///< sweeps since the latest one of the map
+    int between_ = 0;  ///< sweeps since the latest one of the map
     SetAside<Sweep> sweeps_;
-    std::int64_t unusable_ = 0, degenerate_ = 0;
+    std::int64_t degenerate_ = 0;
 
     Trajectory trajectory_;  ///< laid out at the end
 };

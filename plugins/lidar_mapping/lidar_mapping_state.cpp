@@ -6,16 +6,15 @@ namespace loopline {
 
 template <class Archive>
 void fields(Archive& archive, LidarMappingModule& m) {
-    archive(*m.mapping_, m.sweeps_, m.unusable_, m.degenerate_, *m.odometry_, m.between_, m.waits_);
-    if (m.waits_) archive(m.now_.sequence, m.now_.stamp_ns, m.now_.timestamp, m.now_.scan);
+    archive(*m.mapping_, *m.led_, m.sweeps_, m.degenerate_, m.between_);
 }
 
 void LidarMappingModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 4, *this);
+    write_state(out, info().name, 5, *this);
 }
 
 void LidarMappingModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 4, *this);
+    read_state(in, info().name, 5, *this);
 }
 
 }  // namespace loopline

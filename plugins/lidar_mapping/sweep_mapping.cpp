@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "inertial/rotation_vector.h"
+#include "inertial/pose_error.h"
 #include "lidar_mapping/place_noise.h"
 
 namespace loopline::lidar_mapping {
@@ -67,8 +67,7 @@ bool SweepMapping::is_away_from_last_added() const {
 
 void SweepMapping::carry_covariance(const Eigen::Vector3d& way_m) {
     if (sweeps_ == 0 || stands_) return;
-    Matrix6d F = Matrix6d::Identity();
-    F.topRightCorner<3, 3>() = -inertial::cross_matrix(way_m);  // an error of the attitude turns the way
+    const Matrix6d F = inertial::carried_along(way_m);
     covariance_ = F * covariance_ * F.transpose() + last_.state.covariance.topLeftCorner<6, 6>();
 }
 

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "api/state_archive.h"
-#include "lidar/spinning_scan.h"
-#include "lidar_mapping/published_odometry.h"
+#include "lidar_mapping/led_sweeps.h"
 #include "lidar_mapping/sweep_mapping.h"
 
 namespace loopline {
@@ -66,6 +65,12 @@ void fields(Archive& archive, PublishedOdometry& odometry) {
     archive.each(odometry.poses_,
                  [](auto& a, auto& pose) { a(pose.stamp_ns, pose.known.T_map_base, pose.known.covariance); });
     archive(odometry.planar_, odometry.taken_);
+}
+
+template <class Archive>
+void fields(Archive& archive, LedSweeps& led) {
+    archive(led.odometry_, led.unusable_, led.waits_);
+    if (led.waits_) archive(led.now_.sequence, led.now_.stamp_ns, led.now_.timestamp, led.now_.scan);
 }
 
 }  // namespace lidar_mapping

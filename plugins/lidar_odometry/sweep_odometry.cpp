@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "inertial/rotation_vector.h"
+#include "inertial/pose_error.h"
 
 namespace loopline::lidar_odometry {
 namespace {
@@ -12,20 +12,6 @@ Matrix6d squares(double sigma_shift, double sigma_turn) {
     Vector6d sigma;
     sigma << Eigen::Vector3d::Constant(sigma_shift), Eigen::Vector3d::Constant(sigma_turn);
     return sigma.cwiseAbs2().asDiagonal();
-}
-
-/// Of both shift and turn.
-Matrix6d rotation_of(const Eigen::Quaterniond& q) {
-    Matrix6d R = Matrix6d::Zero();
-    R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() = q.toRotationMatrix();
-    return R;
-}
-
-/// What a (shift, turn) about a place is about another one, `way_m` from it.
-Matrix6d about(const Eigen::Vector3d& way_m) {
-    Matrix6d F = Matrix6d::Identity();
-    F.topRightCorner<3, 3>() = -inertial::cross_matrix(way_m);
-    return F;
 }
 
 /// With one of so many of the points that are matched.
@@ -132,7 +118,8 @@ void SweepOdometry::follow(const MatchedMotion& motion, const ExpectedMotion& ex
     step_.velocity = now * (1 / expected.duration_s);
 
     // From (shift, turn) in front of T_before_now to those along the map's axes, about the vehicle.
-    const Matrix6d to_map = rotation_of(T_map_before.rotation) * about(motion.T_before_now.translation_m);
+    const Matrix6d to_map = inertial::turned_both(T_map_before.rotation) *
+                            inertial::carried_along(motion.T_before_now.translation_m);
     Matrix6d covariance = motion.covariance;
     if (sweeps_ > 1) {
         // Where the velocity changes evenly by `change`, motion at a constant one is off by change / 8
@@ -150,7 +137,7 @@ void SweepOdometry::follow(const MatchedMotion& motion, const ExpectedMotion& ex
 /// motion, along each direction: nothing in one that the scene holds, all in one that it leaves free.
 void SweepOdometry::carry_covariance(const Matrix6d& motion, const Matrix6d& kept,
                                      const Eigen::Vector3d& way_m, double duration_s) {
-    const Matrix6d carry = about(way_m);
+    const Matrix6d carry = inertial::carried_along(way_m);
     const Matrix6d way_motion = carry * way_velocity_ * (duration_s * kept).transpose();
     step_.motion_covariance = motion;
     step_.covariance =

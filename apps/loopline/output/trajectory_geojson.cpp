@@ -24,8 +24,7 @@ class JsonList {
     bool first_ = true;
 };
 
-void add_position(JsonList& list, const gnss::Geodetic& place, bool has_height = true) {
-    OutputFile& out = list.next();
+void add_position(OutputFile& out, const gnss::Geodetic& place, bool has_height = true) {
     out.character('[').number(place.longitude_deg).character(',').number(place.latitude_deg);
     if (has_height) out.character(',').number(place.height_m);
     out.character(']');
@@ -56,13 +55,10 @@ void add_path(OutputFile& out, const EarthStretches& path, std::size_t stretch, 
         .text(",\"coordinates\":");
     if (is_line) {
         JsonList list(out);
-        path.for_each(stretch, [&](const EarthVertex& vertex) { add_position(list, vertex.place); });
+        path.for_each(stretch, [&](const EarthVertex& vertex) { add_position(list.next(), vertex.place); });
         list.end();
     } else {
-        path.for_each(stretch, [&](const EarthVertex& vertex) {
-            out.character('[').number(vertex.place.longitude_deg).character(',');
-            out.number(vertex.place.latitude_deg).character(',').number(vertex.place.height_m).character(']');
-        });
+        path.for_each(stretch, [&](const EarthVertex& vertex) { add_position(out, vertex.place); });
     }
     out.text("},\n\"properties\":{\"kind\":\"").text(kind).text("\",\"part\":").count(stretch + 1);
     out.text(",\"parts\":").count(path.size()).text(",\n\"stamps_s\":");
@@ -95,7 +91,7 @@ void add_fixes(OutputFile& out, const PlacedFixes& fixes, std::uint64_t fate,
     JsonList positions(out);
     for_each_of_fate([&](const PlacedFix& fix) {
         const bool has_height = std::isfinite(fix.p_map_m[2]);
-        add_position(positions,
+        add_position(positions.next(),
                      reference.geodetic({fix.p_map_m[0], fix.p_map_m[1], has_height ? fix.p_map_m[2] : 0}),
                      has_height);
     });
@@ -119,9 +115,9 @@ std::size_t write_trajectory_geojson(const std::filesystem::path& file, const Tr
     out.text("{\"type\":\"FeatureCollection\",\n\"name\":\"trajectory\",\n");
     out.text("\"heights_note\":\"metres above the WGS84 ellipsoid\",\n\"features\":[\n");
     // The first feature is where the frame's origin lies, so that all others have a comma in front.
-    out.text("{\"type\":\"Feature\",\"geometry\":{\"type\":\"Point\",\"coordinates\":[");
-    out.number(gnss::wrapped_longitude_deg(earth.longitude_deg)).character(',').number(earth.latitude_deg);
-    out.character(',').number(earth.height_m).text("]},\n\"properties\":{\"kind\":\"origin\"}}");
+    out.text("{\"type\":\"Feature\",\"geometry\":{\"type\":\"Point\",\"coordinates\":");
+    add_position(out, {earth.latitude_deg, gnss::wrapped_longitude_deg(earth.longitude_deg), earth.height_m});
+    out.text("},\n\"properties\":{\"kind\":\"origin\"}}");
     for (std::size_t i = 0; i < path.size(); ++i) add_path(out, path, i, "trajectory", true);
     for (std::size_t i = 0; i < online.size(); ++i) add_path(out, online, i, "trajectory_online", false);
     for (std::size_t fate = 0; !fixes.empty() && fate < fixes.fates.size(); ++fate)

@@ -1,25 +1,25 @@
-#include "fusion/fix_noise.h"
+#include "gnss/fix_noise.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace loopline::fusion {
+namespace loopline::gnss {
 
-ErrorProcess process_of(gnss::FixQuality quality) {
+ErrorProcess process_of(FixQuality quality) {
     switch (quality) {
-        case gnss::FixQuality::rtk_fixed:
+        case FixQuality::rtk_fixed:
             return ErrorProcess::fixed;
-        case gnss::FixQuality::rtk_float:
+        case FixQuality::rtk_float:
             return ErrorProcess::floating;
-        case gnss::FixQuality::differential:
-        case gnss::FixQuality::pps:
+        case FixQuality::differential:
+        case FixQuality::pps:
             return ErrorProcess::differential;
         default:
             return ErrorProcess::single;
     }
 }
 
-SigmaOfFix sigma_of(const gnss::GnssFix& fix, const FixNoiseSettings& settings) {
+SigmaOfFix sigma_of(const GnssFix& fix, const FixNoiseSettings& settings) {
     const ErrorProcess process = process_of(fix.quality);
     const FixNoise& noise = process == ErrorProcess::fixed          ? settings.fixed
                             : process == ErrorProcess::floating     ? settings.floating
@@ -35,4 +35,4 @@ SigmaOfFix sigma_of(const gnss::GnssFix& fix, const FixNoiseSettings& settings) 
     return {noise.white_m * factor, noise.correlated_m * factor, noise.correlation_s};
 }
 
-}  // namespace loopline::fusion
+}  // namespace loopline::gnss

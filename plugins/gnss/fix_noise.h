@@ -6,7 +6,7 @@
 
 #include "gnss/gnss_fix.h"
 
-namespace loopline::fusion {
+namespace loopline::gnss {
 
 /// Of east and of north each.
 struct FixNoise {
@@ -30,10 +30,10 @@ struct SigmaOfFix {
 };
 
 /// By the kind of fix, or as much more as the receiver says; in proportion, since it tells the sum of both.
-SigmaOfFix sigma_of(const gnss::GnssFix& fix, const FixNoiseSettings& settings);
+SigmaOfFix sigma_of(const GnssFix& fix, const FixNoiseSettings& settings);
 
 /// Kinds of fix whose slow error is one and the same process.
 enum class ErrorProcess { none, fixed, floating, differential, single };
-ErrorProcess process_of(gnss::FixQuality quality);
+ErrorProcess process_of(FixQuality quality);
 
-}  // namespace loopline::fusion
+}  // namespace loopline::gnss

@@ -1,0 +1,126 @@
+/// What module "fusion" hands over at the end of a run: figures, the path's inputs, its place on the Earth.
+#include <algorithm>
+#include <cmath>
+
+#include "fusion/fusion_module.h"
+
+namespace loopline {
+
+using namespace fusion;
+
+namespace {
+constexpr double least_gap_way_m = 20;  // of which a part of the way makes sense
+constexpr std::size_t most_told_gaps = 99;
+}  // namespace
+
+/// What the path was made from, for who wants to compare: the motion alone, from the first pose on, and the
+/// fixes.
+void FusionModule::hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const {
+    const Pose3 T_enu_odom = T_enu_base_first * online_.front().T_odom_base.pose().inverse();
+    auto motion = std::make_shared<Trajectory>();
+    motion->keep_in(scratch_folder_);
+    for (const Online& online : online_)
+        motion->append(online.sequence, online.stamp_ns, T_enu_odom * online.T_odom_base.pose(), {});
+    results.uncorrected = NamedPath{"without fixes", motion};
+    results.fixes.list = &fixes_;
+    for (std::size_t use = 0; use < fix_uses; ++use)
+        results.fixes.fates.push_back(name_of(static_cast<FixUse>(use)));
+}
+
+void FusionModule::report(Results& results) const {
+    auto& metrics = results.metrics;
+    const auto count = [&](FixUse use) { return static_cast<std::int64_t>(path_->count(use)); };
+    std::int64_t refused = 0;
+    for (std::size_t i = 1; i < fix_uses; ++i) {
+        const auto use = static_cast<FixUse>(i);
+        refused += count(use);
+        if (count(use) > 0) metrics[std::string("gnss_refused_") + name_of(use)] = count(use);
+    }
+    if (backwards_ > 0) metrics["poses_backward"] = backwards_;
+    if (not_finite_ > 0) metrics["poses_not_finite"] = not_finite_;
+    report_wheels(results);
+    report_gaps(results);
+    metrics["gnss_used"] = count(FixUse::used);
+    metrics["gnss_refused"] = refused;
+    if (!path_->known()) {
+        results.warnings.push_back(
+            "the fixes of the receiver never told the heading of the path, so it is not placed on the Earth; "
+            "its frame is that of " +
+            (motion_label_.empty() ? told_wheels_label_ : motion_label_));
+        return;
+    }
+    const gnss::Geodetic& origin = path_->earth()->origin();
+    results.earth =
+        EarthFrame{origin.latitude_deg, origin.longitude_deg, origin.height_m, 0, geoid_separation_m_};
+    metrics["heading_found_way_m"] = path_->heading().way_m;
+    metrics["heading_found_sigma_deg"] = path_->heading().sigma_rad * 180 / M_PI;
+    if (paper_ != nullptr) metrics["frames_fused"] = static_cast<std::int64_t>(paper_->fused());
+    if (error_state_ == nullptr) return;
+    metrics["gnss_re_entries"] = static_cast<std::int64_t>(error_state_->re_entries());
+    metrics["gnss_mean_square"] = error_state_->mean_square();
+    if (settings_.sigma_antenna_m > 0) {
+        metrics["antenna_forward_off_m"] = error_state_->antenna_off_m().x();
+        metrics["antenna_left_off_m"] = error_state_->antenna_off_m().y();
+    }
+}
+
+void FusionModule::report_wheels(Results& results) const {
+    if (told_wheels_label_.empty() || error_state_ == nullptr) return;
+    auto& metrics = results.metrics;
+    if (!motion_label_.empty()) {
+        metrics["wheels_used"] = static_cast<std::int64_t>(path_->wheel_use().used);
+        metrics["wheels_mean_square"] = path_->wheel_use().mean_square();
+        metrics["wheels_refused_slipped"] = static_cast<std::int64_t>(path_->wheel_use().slipped);
+    }
+    const auto& errors = error_state_->wheel_errors();
+    const auto sigmas = error_state_->wheel_error_sigmas();
+    metrics["wheel_scale"] = 1 + errors[way_scale];
+    metrics["wheel_scale_sigma"] = sigmas[way_scale];
+    metrics["wheel_turn_scale"] = 1 + errors[turn_scale];
+    metrics["wheel_turn_scale_sigma"] = sigmas[turn_scale];
+    metrics["wheel_bend_deg"] = errors[bend] * 180 / M_PI;
+    metrics["wheel_bend_sigma_deg"] = sigmas[bend] * 180 / M_PI;
+    metrics["wheel_one_sided"] = errors[one_sided];
+    metrics["wheel_curve_m2"] = errors[curve];
+}
+
+/// How far, on the plan, the path was at the end of each gap from where the fixes after it have put it, and
+/// its motion alone from where the gap began.
+void FusionModule::report_gaps(Results& results) const {
+    if (withhold_s_ == 0 || error_state_ == nullptr) return;
+    const auto& gaps = error_state_->gaps();
+    results.metrics["gaps"] = static_cast<std::int64_t>(gaps.size());
+    const auto sum_up = [&](const std::string& of, Eigen::Vector3d Gap::*off) {
+        double squares = 0, worst_m = 0, parts = 0, worst_part = 0;
+        std::size_t moving = 0;
+        for (const Gap& gap : gaps) {
+            const double off_m = (gap.*off).head<2>().norm();
+            squares += off_m * off_m;
+            worst_m = std::max(worst_m, off_m);
+            if (gap.way_m < least_gap_way_m) continue;
+            ++moving;
+            parts += off_m / gap.way_m;
+            worst_part = std::max(worst_part, off_m / gap.way_m);
+        }
+        if (gaps.empty()) return;
+        results.metrics["gap_end_" + of + "rmse_m"] = std::sqrt(squares / static_cast<double>(gaps.size()));
+        results.metrics["gap_end_" + of + "worst_m"] = worst_m;
+        if (moving == 0) return;
+        results.metrics["gap_end_" + of + "mean_percent"] = 100 * parts / static_cast<double>(moving);
+        results.metrics["gap_end_" + of + "worst_percent"] = 100 * worst_part;
+    };
+    for (std::size_t i = 0; i < gaps.size() && i < most_told_gaps; ++i) {
+        const Gap& gap = gaps[i];
+        const std::string key = "gap_" + std::string(i < 9 ? "0" : "") + std::to_string(i + 1) + "_";
+        results.metrics[key + "from_s"] = seconds_between(first_ns_, gap.from_ns);
+        results.metrics[key + "to_s"] = seconds_between(first_ns_, gap.to_ns);
+        results.metrics[key + "way_m"] = gap.way_m;
+        results.metrics[key + "error_m"] = gap.off_m.head<2>().norm();
+        results.metrics[key + "sigma_m"] = gap.sigma_m.head<2>().norm();
+        results.metrics[key + "dead_reckoning_m"] = gap.dead_reckoning_off_m.head<2>().norm();
+    }
+    sum_up("error_", &Gap::off_m);
+    sum_up("dead_reckoning_", &Gap::dead_reckoning_off_m);
+}
+
+}  // namespace loopline

@@ -1,0 +1,65 @@
+/// Module "fusion" as the host sees it.
+#include "fusion/fusion_module.h"
+
+#include <gtest/gtest.h>
+#include <mrpt/obs/CObservationOdometry.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace loopline;
+
+namespace {
+
+class Unheard : public Publisher {
+ public:
+    void publish(const mrpt::obs::CObservation::Ptr&) override {}
+    void publish(const mrpt::obs::CObservation::Ptr&, std::uint64_t) override {}
+};
+
+StreamItem pose_at(int second, double x_m) {
+    const StampNs stamp_ns = 1'000'000'000LL * second;
+    return {static_cast<std::uint64_t>(second), stamp_ns,
+            pose_observation("lidar_mapping", stamp_to_mrpt(stamp_ns), Pose3(Pose2{x_m, 0, 0}),
+                             Matrix6d::Identity() * 1e-6)};
+}
+
+TEST(FusionModule, a_pose_that_is_no_number_is_left_out_and_counted) {
+    FusionModule module;
+    module.start({});
+    Unheard publisher;
+    module.process(pose_at(1, 0), publisher);
+    module.process(pose_at(2, std::numeric_limits<double>::quiet_NaN()), publisher);
+    module.process(pose_at(3, 2), publisher);
+    module.process(pose_at(2, 1), publisher);
+    Results results;
+    module.finish(results);
+    EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("poses_not_finite")), 1);
+    EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("poses_backward")), 1);
+    ASSERT_EQ(module.trajectory()->size(), 2U);
+    EXPECT_NEAR((*module.trajectory())[1].T_map_base.translation_m.x(), 2, 1e-9);
+}
+
+TEST(FusionModule, settings_that_do_not_go_together_are_refused) {
+    const auto complaint = [](const std::vector<std::pair<std::string, std::string>>& keys) {
+        FusionModule module;
+        const ParameterTable table = module.parameters();
+        for (const auto& [key, value] : keys)
+            for (const auto& parameter : table.parameters())
+                if (parameter.name == key) {
+                    EXPECT_FALSE(parameter.parse(value)) << key;
+                }
+        return module.check();
+    };
+    EXPECT_EQ(complaint({}), "");
+    EXPECT_NE(complaint({{"sync", "threshold"}}), "");
+    EXPECT_EQ(complaint({{"sync", "threshold"}, {"filter", "paper"}}), "");
+    EXPECT_NE(complaint({{"motion", ""}}), "");
+    EXPECT_EQ(complaint({{"motion", ""}, {"wheels", "wheels"}}), "");
+    EXPECT_NE(complaint({{"motion", ""}, {"wheels", "wheels"}, {"filter", "paper"}}), "");
+    EXPECT_NE(complaint({{"withhold_s", "300"}}), "");
+    EXPECT_EQ(complaint({{"withhold_s", "30"}}), "");
+    EXPECT_NE(complaint({{"withhold_s", "30"}, {"filter", "paper"}}), "");
+}
+
+}  // namespace
