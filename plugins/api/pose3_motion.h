@@ -16,6 +16,8 @@ struct Twist3 {
     Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  ///< axis times angle
 
     Twist3 operator*(double factor) const { return {factor * shift_m, factor * turn_rad}; }
+    Twist3 operator+(const Twist3& o) const { return {shift_m + o.shift_m, turn_rad + o.turn_rad}; }
+    Twist3 operator-(const Twist3& o) const { return {shift_m - o.shift_m, turn_rad - o.turn_rad}; }
 };
 
 /// Where `twist` ends: T_start_end. A turn of any size is followed along its screw.

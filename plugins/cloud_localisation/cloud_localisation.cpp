@@ -127,7 +127,7 @@ bool CloudLocalisation::is_certain() const {
 void CloudLocalisation::put(const MotionState& in_middle, double middle_s, LocalisedSweep& result) const {
     const MotionState at_stamp = predict(in_middle, -middle_s, MotionNoise{0, 0, 0, 0});
     result.known = true;
-    result.T_map_base = at_stamp.T_map_base;
+    result.T_map_base = lidar_mapping::pose_near(in_middle, -middle_s);
     result.covariance = at_stamp.covariance.topLeftCorner<6, 6>();
     result.covariance.diagonal().head<3>().array() += settings_.sigma_map_m * settings_.sigma_map_m;
     result.covariance.diagonal().tail<3>().array() += settings_.sigma_map_rad * settings_.sigma_map_rad;
@@ -141,7 +141,7 @@ CloudLocalisation::Guess CloudLocalisation::guess_by_motion(double middle_s) con
     const auto variance = [&](Eigen::Index a, Eigen::Index b) {
         return std::max(at_stamp.covariance(a, a), at_stamp.covariance(b, b));
     };
-    return {at_stamp.T_map_base, std::sqrt(variance(0, 1)), std::sqrt(variance(2, 2)),
+    return {lidar_mapping::pose_near(state_, -middle_s), std::sqrt(variance(0, 1)), std::sqrt(variance(2, 2)),
             std::sqrt(variance(5, 5))};
 }
 
@@ -160,7 +160,7 @@ LocalisedSweep CloudLocalisation::search(const lidar::SpinningScan& scan, const 
     remember(now);
     heed_fixes(middle_ns);
 
-    result.T_local_base = own.T_map_base * exp_se3(own.velocity * -middle_s);
+    result.T_local_base = lidar_mapping::pose_near(own, -middle_s);
     result.local_covariance = local_->covariance();
     result.T_map_base = guess_ ? guess_->T_map_local * result.T_local_base : result.T_local_base;
     if (local_sweeps_ < 2 || !look_is_due(middle_ns) || !look(now)) return result;

@@ -55,11 +55,11 @@ void fields(Archive& archive, CloudLocalisationModule& m) {
 }
 
 void CloudLocalisationModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 2, *this);
+    write_state(out, info().name, 3, *this);
 }
 
 void CloudLocalisationModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 2, *this);
+    read_state(in, info().name, 3, *this);
 }
 
 }  // namespace loopline

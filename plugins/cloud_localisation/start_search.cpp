@@ -185,9 +185,10 @@ double fit_on_surfaces(const FrozenCloud& map, const std::vector<SweepPoint>& po
     constexpr double loss_scale = 2;
     const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
     const Eigen::Matrix3f beams = R.cast<float>();
+    const lidar_mapping::SweepMotion motion(state);
     double support = 0;
     for (const SweepPoint& point : points) {
-        const Eigen::Vector3d arm_m = R * lidar_mapping::undistorted(point, state.velocity);
+        const Eigen::Vector3d arm_m = R * lidar_mapping::undistorted(point, motion);
         const auto match =
             map.surfaces().find({state.T_map_base.translation_m + arm_m, beams * point.beam_base});
         if (match.kind == lidar_mapping::SurfaceKind::none) continue;

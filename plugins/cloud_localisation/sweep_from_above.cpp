@@ -25,11 +25,12 @@ double median(std::vector<double>& values) {
 SweepFromAbove seen_from_above(const std::vector<SweepPoint>& points, const Twist3& velocity,
                                double range_m) {
     SweepFromAbove seen;
+    const lidar_mapping::SweepMotion motion(velocity);
     UprightColumns columns;
     std::vector<Eigen::Vector3d> places_m;
     places_m.reserve(points.size());
     for (const SweepPoint& point : points) {
-        places_m.push_back(lidar_mapping::undistorted(point, velocity));
+        places_m.push_back(lidar_mapping::undistorted(point, motion));
         if (places_m.back().head<2>().norm() < range_m) columns.add(places_m.back());
     }
     // In the order of the sweep: a column is told by the first point that it has.

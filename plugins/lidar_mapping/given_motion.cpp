@@ -21,6 +21,8 @@ MotionState predict(const MotionState& state, const GivenMotion& given, double d
             .finished();
     MotionState next = state;
     next.velocity = given.planar ? with_planar(state.velocity, given.velocity) : given.velocity;
+    next.velocity_before = state.velocity;
+    next.duration_s = duration_s;
     Pose3 T_last_now = given.T_last_now;
     // Along the vehicle's axes: of the motion, and of the velocity, which changes within it.
     Matrix6d motion = given.covariance;

@@ -59,8 +59,7 @@ void LidarMappingModule::drain(Publisher& publisher) {
 
 void LidarMappingModule::follow(const LedSweeps::Sweep& now, Publisher& publisher) {
     const Placed placed = place(now.scan, now.middle_ns());
-    // From the middle of the sweep to the stamp.
-    const Pose3 T_map_base = placed.state.T_map_base * exp_se3(placed.state.velocity * -now.middle_s());
+    const Pose3 T_map_base = pose_near(placed.state, -now.middle_s());
     Sweep sweep;
     sweep.sequence = now.sequence;
     sweep.stamp_ns = now.stamp_ns;

@@ -17,6 +17,8 @@ MotionState first_state(const MotionNoise& noise) {
 MotionState predict(const MotionState& state, double duration_s, const MotionNoise& noise) {
     MotionState next = state;
     next.T_map_base = state.T_map_base * exp_se3(state.velocity * duration_s);
+    next.velocity_before = state.velocity;
+    next.duration_s = duration_s;
     Matrix12d F = Matrix12d::Identity();
     // An error of the attitude turns the way.
     F.block<3, 3>(0, 3) =
@@ -31,6 +33,10 @@ MotionState predict(const MotionState& state, double duration_s, const MotionNoi
     next.covariance =
         F * state.covariance * F.transpose() + G * sigma.cwiseAbs2().asDiagonal() * G.transpose();
     return next;
+}
+
+Pose3 pose_near(const MotionState& state, double after_s) {
+    return state.T_map_base * exp_se3(SweepMotion(state).after(after_s));
 }
 
 MotionState moved_by(const MotionState& state, const Vector12d& step) {

@@ -1,5 +1,5 @@
 /// Pose and velocity of the vehicle in the middle of a sweep, and how the two go on to the next one: as if
-/// nothing accelerated, but for noise.
+/// nothing accelerated, but for noise. What the velocity has then become tells how it changed.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,10 +13,30 @@ using Vector12d = Eigen::Matrix<double, 12, 1>;
 
 struct MotionState {
     Pose3 T_map_base;
-    Twist3 velocity;  ///< a second, along the vehicle's axes
+    Twist3 velocity;         ///< a second, along the vehicle's axes
+    Twist3 velocity_before;  ///< that it had so much earlier:
+    double duration_s = 0;   ///< 0 if that is not known
     /// Of shift, turn, velocity and rate of turn, all along the map's axes, about the vehicle's own position:
     /// what is known relative to the map around it.
     Matrix12d covariance = Matrix12d::Zero();
+};
+
+/// From the middle of a sweep on, at the acceleration that led there from the velocity before.
+class SweepMotion {
+ public:
+    explicit SweepMotion(const Twist3& velocity) : velocity_(velocity) {}
+    explicit SweepMotion(const MotionState& state) : velocity_(state.velocity) {
+        if (!(state.duration_s > 0)) return;
+        half_per_s_ = 0.5 / state.duration_s;
+        half_acceleration_ = (state.velocity - state.velocity_before) * half_per_s_;
+    }
+    Twist3 after(double s) const { return velocity_ * s + half_acceleration_ * (s * s); }
+    /// How far what is after(s) goes with the velocity.
+    double by_velocity_s(double s) const { return s + s * s * half_per_s_; }
+
+ private:
+    Twist3 velocity_, half_acceleration_;
+    double half_per_s_ = 0;
 };
 
 struct MotionNoise {
@@ -29,6 +49,9 @@ struct MotionNoise {
 /// A vehicle of which nothing is known but that it is at the map's origin.
 MotionState first_state(const MotionNoise& noise);
 MotionState predict(const MotionState& state, double duration_s, const MotionNoise& noise);
+
+/// Where the vehicle is `after_s` after the middle of the sweep, or before it.
+Pose3 pose_near(const MotionState& state, double after_s);
 
 /// With the error of its 12 parameters put into it.
 MotionState moved_by(const MotionState& state, const Vector12d& step);

@@ -151,16 +151,18 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
     std::array<NormalEquations, parts> sums;
     const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
     const Eigen::Matrix3f beams = R.cast<float>();
+    const SweepMotion motion(state);
     const double per_scale2 = 1 / (settings.loss_scale * settings.loss_scale);
     workers.run(parts, [&](std::size_t part) {
         const std::size_t end = (part + 1) * points.size() / parts;
         for (std::size_t i = part * points.size() / parts; i < end; ++i) {
             const SweepPoint& point = points[i];
-            const Eigen::Vector3d arm = R * undistorted(point, state.velocity);
+            const Eigen::Vector3d arm = R * undistorted(point, motion);
             const SurfaceMatch match = map.find(
                 {state.T_map_base.translation_m + arm, beams * point.beam_base}, settings.smallest_size);
             if (match.kind != SurfaceKind::none)
-                add_point(match, arm, static_cast<double>(point.time_s), per_scale2, sums[part]);
+                add_point(match, arm, motion.by_velocity_s(static_cast<double>(point.time_s)), per_scale2,
+                          sums[part]);
         }
     });
     for (std::size_t part = 1; part < parts; ++part) sums[0] += sums[part];

@@ -42,11 +42,11 @@ struct Registration {
 };
 
 /// Where a point of the sweep was seen from the vehicle in the middle of the sweep, to second order.
-inline Eigen::Vector3d undistorted(const SweepPoint& point, const Twist3& velocity) {
+inline Eigen::Vector3d undistorted(const SweepPoint& point, const SweepMotion& motion) {
     const Eigen::Vector3d p = point.p_base_m.cast<double>();
-    const double s = point.time_s;
-    const Eigen::Vector3d step = velocity.shift_m + velocity.turn_rad.cross(p);
-    return p + s * step + (s * s / 2) * velocity.turn_rad.cross(step);
+    const Twist3 moved = motion.after(static_cast<double>(point.time_s));
+    const Eigen::Vector3d step = moved.shift_m + moved.turn_rad.cross(p);
+    return p + step + 0.5 * moved.turn_rad.cross(step);
 }
 
 /// From `start`, if there is one, and else from the prediction.

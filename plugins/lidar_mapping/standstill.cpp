@@ -32,11 +32,9 @@ void Standstill::measure(const lidar::SpinningScan& scan) {
     }
 }
 
-/// Mean square of the pieces' changes, in their standard deviations, less 1, by the standard deviation of
-/// that mean if nothing has changed.
-double Standstill::change() const {
-    if (now_.size() != learnt_.size()) return INFINITY;
-    double sum = 0, count = 0;
+Standstill::BySector Standstill::changes() const {
+    BySector changes;
+    if (now_.size() != learnt_.size()) return changes;
     for (std::size_t k = 0; k < now_.size(); ++k) {
         const Piece &a = now_[k], &b = learnt_[k];
         if (a.n < fewest || b.n < fewest) continue;
@@ -45,26 +43,62 @@ double Standstill::change() const {
             std::max(0.0, a.squares_m2 - a.sum_m * mean_a + b.squares_m2 - b.sum_m * mean_b) / freedom + 1e-6;
         if (scatter_m2 > smooth_m * smooth_m) continue;
         // Student's t, whose square has the mean freedom / (freedom - 2).
-        const double d2 = (mean_a - mean_b) * (mean_a - mean_b) / (scatter_m2 * (1 / a.n + 1 / b.n)) *
-                          (freedom - 2) / freedom;
-        sum += std::min(d2, most);
-        ++count;
+        const double d2 = std::min(most, (mean_a - mean_b) * (mean_a - mean_b) /
+                                             (scatter_m2 * (1 / a.n + 1 / b.n)) * (freedom - 2) / freedom);
+        Changes& sector = changes[k % pieces * sectors / pieces];
+        ++sector.n;
+        sector.sum += d2;
+        sector.squares += d2 * d2;
     }
-    return count < 100 ? INFINITY : (sum / count - 1) / std::sqrt(2 / count);
+    return changes;
+}
+
+/// Before it is known what is usual: more than the scatter within the pieces explains, all of them together.
+bool Standstill::drives_from_the_first(const BySector& changes) {
+    double n = 0, sum = 0;
+    for (const Changes& sector : changes) {
+        n += sector.n;
+        sum += sector.sum;
+    }
+    constexpr double fewest_pieces = 100, contradiction = 6;
+    return n < fewest_pieces || (sum / n - 1) / std::sqrt(2 / n) > contradiction;
+}
+
+/// Others who pass by change what is seen in a few sectors, one's own way in more.
+bool Standstill::has_left(const BySector& changes) const {
+    constexpr double contradiction = 3, few_pieces = 20;
+    constexpr int others = 6;  // somebody may reach over three, and have left three
+    int changed = 0, known = 0;
+    for (std::size_t k = 0; k < sectors; ++k) {
+        const Changes &now = changes[k], &usual = usual_[k];
+        if (now.n < few_pieces || usual.n < few_pieces) continue;
+        ++known;
+        const double sigma = std::sqrt(now.variance_of_mean() + usual.variance_of_mean());
+        changed += now.mean() - usual.mean() > contradiction * sigma ? 1 : 0;
+    }
+    return known <= others || changed > others;
+}
+
+void Standstill::learn(const BySector& changes) {
+    if (learnt_.empty()) learnt_.resize(now_.size());
+    for (std::size_t k = 0; k < now_.size(); ++k) {
+        learnt_[k].n += now_[k].n;
+        learnt_[k].sum_m += now_[k].sum_m;
+        learnt_[k].squares_m2 += now_[k].squares_m2;
+    }
+    for (std::size_t k = 0; k < sectors; ++k) {
+        usual_[k].n += changes[k].n;
+        usual_[k].sum += changes[k].sum;
+        usual_[k].squares += changes[k].squares;
+    }
 }
 
 bool Standstill::lasts(const lidar::SpinningScan& scan) {
     measure(scan);
-    const double c = learnt_.empty() ? 0 : change();
-    constexpr double contradiction = 6;
-    if (c > contradiction) return false;
-    if (learnt_.empty()) learnt_.resize(now_.size());
-    if (sweeps_++ < learnt_sweeps)
-        for (std::size_t k = 0; k < now_.size(); ++k) {
-            learnt_[k].n += now_[k].n;
-            learnt_[k].sum_m += now_[k].sum_m;
-            learnt_[k].squares_m2 += now_[k].squares_m2;
-        }
+    const BySector by_sector = changes();
+    if (sweeps_ >= learnt_sweeps ? has_left(by_sector) : sweeps_ > 0 && drives_from_the_first(by_sector))
+        return false;
+    if (sweeps_++ < learnt_sweeps) learn(by_sector);
     return true;
 }
 

@@ -1,5 +1,6 @@
 #include "lidar_mapping/sweep_mapping.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -27,6 +28,14 @@ MotionState standing_state() {
         Eigen::Vector3d::Constant(1e-2), Eigen::Vector3d::Constant(1e-3);
     state.covariance = sigma.cwiseAbs2().asDiagonal();
     return state;
+}
+
+/// Squared distance of the poses, of which 6 are expected by chance.
+bool has_moved(const MotionState& from, const MotionState& to) {
+    constexpr double contradiction = 50;
+    const Vector12d moved = difference(to, from);
+    const Matrix6d covariance = to.covariance.topLeftCorner<6, 6>();
+    return moved.head<6>().dot(covariance.ldlt().solve(moved.head<6>())) > contradiction;
 }
 
 }  // namespace
@@ -71,7 +80,8 @@ void SweepMapping::carry_covariance(const Eigen::Vector3d& way_m) {
     covariance_ = F * covariance_ * F.transpose() + last_.state.covariance.topLeftCorner<6, 6>();
 }
 
-/// A vehicle that stands is still looked at: whether its surroundings would hold it is reported.
+/// A vehicle that stands is still looked at: whether its surroundings would hold it is reported, and where
+/// they do, they show the first centimetre of its way.
 void SweepMapping::follow(double duration_s) {
     const MotionState before = last_.state;
     last_ = register_sweep(map_, matched_, predict(before, duration_s, settings_.motion),
@@ -79,6 +89,7 @@ void SweepMapping::follow(double duration_s) {
     if (last_.agreement() < doubtful_part * usual_agreement_ && last_.degeneracy.weakest_sigma_m < clear_m)
         search_wider(before, duration_s);
     usual_agreement_ += (last_.agreement() - usual_agreement_) / 10;
+    stands_ = stands_ && !has_moved(before, last_.state);
     if (stands_) last_.state = before;
 }
 
@@ -110,6 +121,13 @@ MotionState SweepMapping::moving_first(const Twist3& velocity) const {
     return state;
 }
 
+/// The velocity of the first sweep is a guess: nothing is accelerated from there.
+MotionState SweepMapping::second_after(const MotionState& first, double duration_s) const {
+    MotionState second = predict(first, duration_s, settings_.motion);
+    second.duration_s = 0;
+    return second;
+}
+
 /// How fast the vehicle is at the start, nothing tells but the second sweep: speeds are tried, forward. At a
 /// constant twist a thing that is seen at the same time of both sweeps lies exp(tau xi) apart in them as they
 /// came: so for the search neither is undistorted, and the first one makes a map only once.
@@ -127,7 +145,7 @@ Twist3 SweepMapping::search_first_velocity(double duration_s) {
     add_to_map(still, first);
     const auto try_speed = [&](double speed_mps) {
         first.velocity = {{speed_mps, 0, 0}, {0, 0, 0}};
-        return register_sweep(map_, few, predict(first, duration_s, settings_.motion), rough, workers_);
+        return register_sweep(map_, few, second_after(first, duration_s), rough, workers_);
     };
     Registration best = try_speed(0);
     double speed_mps = 0;
@@ -147,8 +165,8 @@ void SweepMapping::follow_first(double duration_s) {
         const MotionState first = moving_first(velocity);
         map_.clear();
         add_to_map(first_, first);
-        last_ = register_sweep(map_, matched_, predict(first, duration_s, settings_.motion),
-                               settings_.registration, workers_);
+        last_ =
+            register_sweep(map_, matched_, second_after(first, duration_s), settings_.registration, workers_);
     };
     follow_from(duration_s > 0 ? search_first_velocity(duration_s) : Twist3());
 }
@@ -168,10 +186,11 @@ void SweepMapping::add_to_map(const std::vector<SweepPoint>& points, const Motio
     returns_.clear();
     const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
     const Eigen::Matrix3f beams = R.cast<float>();
+    const SweepMotion motion(state);
     const PlaceNoise noise(against_neighbours(state.covariance.topLeftCorner<6, 6>()),
                            settings_.map.sigma_range_m);
     for (const SweepPoint& point : points) {
-        const Eigen::Vector3d arm_m = R * undistorted(point, state.velocity);
+        const Eigen::Vector3d arm_m = R * undistorted(point, motion);
         returns_.push_back({state.T_map_base.translation_m + arm_m,
                             noise.covariance_m2(arm_m.cast<float>(), beams * point.beam_base)});
     }

@@ -48,6 +48,7 @@ class SweepMapping {
     };
     void begin(double middle_s);
     MotionState moving_first(const Twist3& velocity) const;
+    MotionState second_after(const MotionState& first, double duration_s) const;
     Twist3 search_first_velocity(double duration_s);
     void follow_first(double duration_s);
     void follow(double duration_s);

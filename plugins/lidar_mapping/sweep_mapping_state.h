@@ -51,6 +51,7 @@ void fields(Archive& archive, Standstill::Piece& piece) {
 template <class Archive>
 void fields(Archive& archive, Standstill& standstill) {
     archive(standstill.learnt_, standstill.sweeps_);
+    for (auto& sector : standstill.usual_) archive(sector.n, sector.sum, sector.squares);
 }
 
 template <class Archive>

@@ -76,8 +76,8 @@ std::vector<SweepPoint> sweep_of(const std::vector<Panel>& panels, const MotionS
     std::vector<SweepPoint> sweep;
     for (int k = 0; k < points; ++k) {
         const double time_s = -0.05 + 0.1 * k / points;
-        const Pose3 T_map_base = truth.T_map_base * exp_se3(truth.velocity * time_s);
-        const Eigen::Vector3d p = T_map_base.inverse() * place_on(any_of(panels, random), random);
+        const Eigen::Vector3d p =
+            pose_near(truth, time_s).inverse() * place_on(any_of(panels, random), random);
         sweep.push_back({p.cast<float>(), static_cast<float>(time_s), p.normalized().cast<float>()});
     }
     return sweep;
@@ -284,6 +284,54 @@ TEST(Registration, finds_pose_and_velocity_of_a_sweep_without_noise_again) {
     EXPECT_LT(left.segment<3>(6).norm(), 0.03);
     EXPECT_LT(left.segment<3>(9).norm(), 0.3 * deg);
     EXPECT_EQ(found.degeneracy.free_directions, 0);
+}
+
+/// As where a vehicle sets off or swings round: it has accelerated since the sweep before.
+TEST(Registration, undistorts_by_the_acceleration_since_the_sweep_before) {
+    std::mt19937_64 random(8);
+    const auto panels = yard();
+    const SurfaceMap map = map_of(panels, 0, random);
+    MotionState truth = driving();
+    truth.velocity_before = {{7.2, 0.2, -0.1}, {0.05, -0.1, 0.3}};
+    truth.duration_s = 0.1;
+    const auto sweep = sweep_of(panels, truth, 4000, random);
+    WorkerPool workers(1);
+    Vector12d off;
+    off << 0.05, -0.04, 0.03, 0.01, -0.005, 0.01, 0.3, -0.2, 0.1, 0.03, 0.05, -0.05;
+    RegistrationSettings settings;
+    settings.iterations = 50;
+    settings.enough_m = 1e-6;
+    settings.enough_rad = 1e-7;
+    MotionState predicted = state_near(truth, off, 1, 0.2);
+    const Vector12d left = difference(register_sweep(map, sweep, predicted, settings, workers).state, truth);
+    EXPECT_LT(left.segment<3>(0).norm(), 0.001);
+    EXPECT_LT(left.segment<3>(3).norm(), 0.01 * deg);
+    EXPECT_LT(left.segment<3>(9).norm(), 0.3 * deg);
+    predicted.duration_s = 0;
+    const Vector12d as_constant =
+        difference(register_sweep(map, sweep, predicted, settings, workers).state, truth);
+    EXPECT_GT(as_constant.segment<3>(3).norm(), 10 * left.segment<3>(3).norm());
+}
+
+TEST(SweepMotion, moves_with_the_velocity_as_differences_say) {
+    MotionState state = driving();
+    state.velocity_before = {{6, 0.3, 0}, {0, -0.2, 0.1}};
+    state.duration_s = 0.08;
+    for (const double s : {-0.05, -0.01, 0.03, 0.05}) {
+        MotionState faster = state, slower = state;
+        faster.velocity.shift_m.x() += 1e-3;
+        slower.velocity.shift_m.x() -= 1e-3;
+        const double difference_s =
+            (SweepMotion(faster).after(s).shift_m.x() - SweepMotion(slower).after(s).shift_m.x()) / 2e-3;
+        EXPECT_NEAR(SweepMotion(state).by_velocity_s(s), difference_s, 1e-9);
+    }
+    // Half of the way back it had the mean of both velocities.
+    const double h = 1e-4, then_s = -state.duration_s / 2;
+    const Twist3 rate =
+        (SweepMotion(state).after(then_s + h) - SweepMotion(state).after(then_s - h)) * (0.5 / h);
+    EXPECT_NEAR(rate.shift_m.x(), (state.velocity.shift_m.x() + state.velocity_before.shift_m.x()) / 2, 1e-6);
+    EXPECT_NEAR(rate.turn_rad.z(), (state.velocity.turn_rad.z() + state.velocity_before.turn_rad.z()) / 2,
+                1e-6);
 }
 
 /// After a jerk the prediction is far off: large cubes draw the sweep in, small ones then find its place.

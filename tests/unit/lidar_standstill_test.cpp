@@ -13,8 +13,10 @@ using namespace loopline::lidar_mapping;
 
 namespace {
 
-/// Rings on the floor of a hall, from a lidar that may have moved.
-lidar::SpinningScan rings_in_hall(double moved_m, double sigma_m, std::mt19937_64& random) {
+/// Rings on the floor of a hall, from a lidar that may have moved. Somebody may stand 3 m beside it, in a
+/// direction that reaches over 20 degrees.
+lidar::SpinningScan rings_in_hall(double moved_m, double sigma_m, std::mt19937_64& random,
+                                  double somebody_at_deg = 1000) {
     std::normal_distribution<double> normal;
     lidar::SpinningScan scan;
     for (int ring = 0; ring < 16; ++ring) {
@@ -29,6 +31,7 @@ lidar::SpinningScan rings_in_hall(double moved_m, double sigma_m, std::mt19937_6
             range_m = std::min(range_m, ((beam.x() > 0 ? 12 - moved_m : -12 - moved_m)) / beam.x());
             range_m = std::min(range_m, 8 / std::abs(beam.y()));
             if (beam.z() < 0) range_m = std::min(range_m, -1.5 / beam.z());
+            if (std::abs(azimuth * 180 / M_PI - somebody_at_deg) < 10) range_m = std::min(range_m, 3.0);
             const Eigen::Vector3f p = ((range_m + sigma_m * normal(random)) * beam).cast<float>();
             scan.points.push_back({p.x(), p.y(), p.z(), 0});
         }
@@ -43,6 +46,16 @@ TEST(Standstill, lasts_until_the_vehicle_moves) {
     for (int sweep = 0; sweep < 300; ++sweep)
         ASSERT_TRUE(standstill.lasts(rings_in_hall(0, 0.02, random))) << sweep;
     EXPECT_FALSE(standstill.lasts(rings_in_hall(0.02, 0.02, random)));
+}
+
+TEST(Standstill, lasts_while_somebody_goes_by) {
+    std::mt19937_64 random(12);
+    Standstill standstill;
+    for (int sweep = 0; sweep < 5; ++sweep)
+        ASSERT_TRUE(standstill.lasts(rings_in_hall(0, 0.02, random, -50))) << sweep;
+    for (int sweep = 0; sweep < 100; ++sweep)
+        ASSERT_TRUE(standstill.lasts(rings_in_hall(0, 0.02, random, -50 + sweep))) << sweep;
+    EXPECT_FALSE(standstill.lasts(rings_in_hall(0.03, 0.02, random, 50)));
 }
 
 TEST(Standstill, is_over_from_the_second_sweep_of_a_vehicle_that_drives) {
