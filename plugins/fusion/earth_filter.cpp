@@ -48,6 +48,18 @@ StateAndMotion with_wheels(const EarthState& state, const Twist2& told, const Wh
     return both;
 }
 
+namespace {
+
+/// Of one of the odometry's motions, beside what adds up: each of its poses errs by itself, and the next
+/// motion makes up for it.
+double own_variance(double told_variance, int row) {
+    constexpr double own_m = 0.003, own_rad = 0.01 * M_PI / 180, tells_nothing = 1;
+    const double own = row < 3 ? own_m : own_rad;
+    return told_variance < tells_nothing ? own * own : 0;
+}
+
+}  // namespace
+
 WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& told,
                                      const WheelNoise& noise) {
     constexpr int told_rows[] = {0, 1, 5};
@@ -67,7 +79,7 @@ WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& t
         innovation.off[k] = off[row];
         innovation.H.block<1, wheel_error_count>(k, wheel_errors_at) = -J.row(row);
         innovation.H(k, state_errors + row) = 1;
-        innovation.noise(k, k) = R(row, row);
+        innovation.noise(k, k) = R(row, row) + own_variance(both.of_motion()(row, row), row);
     }
     innovation.covariance = innovation.H * both.covariance * innovation.H.transpose() + innovation.noise;
     return innovation;

@@ -43,8 +43,10 @@ struct QuadraticForm {
 struct NormalEquations {
     QuadraticForm all, chance;
     Vector6d to_pose = Vector6d::Zero(), to_velocity = Vector6d::Zero();
-    double squares = 0, support = 0, range_m = 0;
+    double squares = 0, support = 0, range_m = 0, sweep = 0;
     int used = 0;
+
+    double mean_range_m() const { return std::max(1.0, range_m / std::max(1, used)); }
 
     static Vector6d jacobian(const Eigen::Vector3d& n, const Eigen::Vector3d& arm) {
         Vector6d j;
@@ -77,6 +79,7 @@ struct NormalEquations {
         squares += o.squares;
         support += o.support;
         range_m += o.range_m;
+        sweep += o.sweep;
         used += o.used;
     }
 };
@@ -85,8 +88,7 @@ struct NormalEquations {
 /// that.
 HeldDirections held_by(const NormalEquations& sums, double sigma_limit_m) {
     constexpr double uncertain_chance = 1.5;
-    return {sums.all.pose - uncertain_chance * sums.chance.pose,
-            std::max(1.0, sums.range_m / std::max(1, sums.used)), sigma_limit_m};
+    return {sums.all.pose - uncertain_chance * sums.chance.pose, sums.mean_range_m(), sigma_limit_m};
 }
 
 /// On (pose, velocity): the sweep's own optimum R^-1 g, R what is real, has the covariance R^-1 A R^-1.
@@ -140,6 +142,7 @@ void add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, 
     }
     ++sums.used;
     sums.support += loss;
+    sums.sweep += loss * static_cast<double>(match.sweep);
     sums.range_m += arm.norm();
 }
 
@@ -178,14 +181,15 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
     result.state = start != nullptr ? *start : predicted;
     const Matrix12d prior = predicted.covariance.inverse();
     NormalEquations sums;
-    Matrix12d information = prior;
+    Matrix12d information = prior, of_scan = Matrix12d::Zero();
     for (int i = 0; i < settings.iterations && !result.converged; ++i) {
         ++result.iterations;
         sums = linearise(map, points, result.state, settings, workers);
         const HeldDirections held = held_by(sums, settings.sigma_degenerate_m);
         result.degeneracy = {held.free_count(), held.weakest_sigma_m(), held.weakest()};
         const Evidence scan(sums, held);
-        information = scan.information + prior;
+        of_scan = scan.information;
+        information = of_scan + prior;
         const Vector12d step =
             information.ldlt().solve(scan.gradient + prior * difference(predicted, result.state));
         if (!step.allFinite()) break;
@@ -193,8 +197,13 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
         result.converged =
             step.head<3>().norm() < settings.enough_m && step.segment<3>(3).norm() < settings.enough_rad;
     }
-    result.state.covariance = information.inverse();
+    const Matrix12d covariance = information.inverse();
+    result.state.covariance = covariance;
+    result.by_scan = (covariance * of_scan * covariance).topLeftCorner<6, 6>();
+    result.by_prediction = (covariance * prior * covariance).topLeftCorner<6, 6>();
+    if (sums.support > 0) result.age_sweeps = map.sweeps() - sums.sweep / sums.support;
     const double used = std::max(1, sums.used);
+    result.mean_range_m = sums.mean_range_m();
     result.used = sums.used;
     result.support = sums.support;
     result.fit = points.empty() ? 0 : sums.used / static_cast<double>(points.size());

@@ -31,6 +31,11 @@ struct Degeneracy {
 
 struct Registration {
     MotionState state;  ///< in the middle of the sweep
+    /// Of (shift, turn): what of the pose's covariance the errors of sweep and map make, and what those of
+    /// the prediction. The sum is that of the state.
+    Matrix6d by_scan = Matrix6d::Zero(), by_prediction = Matrix6d::Zero();
+    double age_sweeps = 0;  ///< of the surfaces, in sweeps of the map, mean by what each point counts
+    double mean_range_m = 1;
     Degeneracy degeneracy;
     double fit = 0;  ///< part of the points on a surface
     double rms_sigmas = 0;

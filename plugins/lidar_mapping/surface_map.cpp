@@ -118,6 +118,7 @@ void SurfaceMap::add(std::size_t which, const Eigen::Vector3d& p_map_m, const Ei
             cell.squares[static_cast<std::size_t>(k++)] += u[a] * u[b] - noise(a, b);
     }
     cell.noise += noise.trace();
+    cell.sweeps += static_cast<float>(sweeps_);
     if (cell.returns >= settings_.min_returns && 8 * cell.returns >= 9 * cell.fitted) fit(size, cell);
 }
 
@@ -196,7 +197,8 @@ void SurfaceMap::look(const Size& size, const MapReturn& seen, SurfaceMatch& bes
             along,
             beside,
             per_return_m2 * cell->per_along_m2,
-            per_return_m2 * cell->per_beside_m2};
+            per_return_m2 * cell->per_beside_m2,
+            cell->sweeps / n};
 }
 
 SurfaceMatch SurfaceMap::find(const MapReturn& seen, std::size_t smallest) const {
@@ -230,6 +232,7 @@ void SurfaceMap::clear() {
         size.pieces.clear();
         size.cells = 0;
     }
+    sweeps_ = 0;
 }
 
 std::size_t SurfaceMap::cells() const {

@@ -25,6 +25,7 @@ struct SurfaceMatch {
     /// Of a plane: two directions in it, and the variances of the normal's error towards each.
     Eigen::Vector3f along_map, beside_map;
     float turn_along = 0, turn_beside = 0;
+    float sweep = 0;  ///< mean number of the sweeps that it was made of, as the map counts them
 };
 
 /// Where a beam met something. Noise of its range moves it along the beam.
@@ -49,6 +50,9 @@ class SurfaceMap {
  public:
     explicit SurfaceMap(const SurfaceMapSettings& settings);
 
+    /// What is added from here on is of another sweep.
+    void begin_sweep() { ++sweeps_; }
+    std::uint32_t sweeps() const { return sweeps_; }
     /// Adds to the cubes of one size; sizes have nothing to do with one another.
     /// `noise_m2`: covariance of the place, by the range's noise and by what is not known of the pose.
     void add(std::size_t size, const Eigen::Vector3d& p_map_m, const Eigen::Matrix3f& noise_m2);
@@ -71,7 +75,8 @@ class SurfaceMap {
         // Of returns, from the cube's middle, in parts of its edge; squares without those of noise.
         std::array<float, 3> sum{};
         std::array<float, 6> squares{};
-        float noise = 0;  ///< sum of what was taken off
+        float noise = 0;   ///< sum of what was taken off
+        float sweeps = 0;  ///< sum of the numbers of their sweeps
         // Of the surface: normal of a plane, or direction of an edge.
         std::array<float, 3> direction{}, along{};  ///< `along`: the plane's direction that is known best
         float variance_m2 = 0;                      ///< across, without noise of ranges
@@ -104,6 +109,7 @@ class SurfaceMap {
 
     SurfaceMapSettings settings_;
     std::vector<Size> sizes_;
+    std::uint32_t sweeps_ = 0;
 };
 
 }  // namespace loopline::lidar_mapping

@@ -20,6 +20,7 @@ void fields(Archive& archive, MotionState& state) {
 
 template <class Archive>
 void fields(Archive& archive, SurfaceMap& map) {
+    archive(map.sweeps_);
     for (auto& size : map.sizes_) {
         std::uint64_t slots = size.slots.size();
         std::uint32_t cells = size.cells;
@@ -34,7 +35,7 @@ void fields(Archive& archive, SurfaceMap& map) {
             archive(c.key, c.seen);
             for (auto& x : c.sum) archive(x);
             for (auto& x : c.squares) archive(x);
-            archive(c.noise);
+            archive(c.noise, c.sweeps);
             for (auto& x : c.direction) archive(x);
             for (auto& x : c.along) archive(x);
             archive(c.variance_m2, c.per_along_m2, c.per_beside_m2, c.returns, c.fitted, c.kind);
