@@ -9,9 +9,6 @@
 namespace loopline::fusion {
 namespace {
 
-/// An odometry that has just begun to move errs by more than it says: what it goes by was seen from one
-/// place.
-constexpr double start_way_m = 3, start_sigma_m = 0.02;
 /// Refused fixes that are right agree for so long.
 constexpr double agreement_s = 3;
 /// What is unknown again after a re-entry.
@@ -98,8 +95,6 @@ Motion EarthPath::odometry_to(std::size_t number) const {
     const PoseNode &a = pose(number - 1), &b = pose(number);
     Motion motion{a.T_odom_base.inverse() * b.T_odom_base, b.covariance};
     const double way_m = motion.T_from_to.translation_m.norm();
-    if (way_m > 0 && b.way_m < start_way_m)
-        motion.covariance.diagonal().head<3>().array() += start_sigma_m * start_sigma_m;
     motion.covariance.diagonal().head<3>().array() += settings_.drift_m * settings_.drift_m * way_m;
     motion.covariance.diagonal().tail<3>().array() += settings_.drift_rad * settings_.drift_rad * way_m;
     return motion;

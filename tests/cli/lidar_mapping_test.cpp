@@ -34,7 +34,11 @@ TEST(LidarMapping, follows_a_street_and_gives_the_same_bytes_for_any_number_of_t
             {"run", ini, "--out", out, "--threads", threads, "--set", "evaluation.truth=" + truth});
         ASSERT_EQ(result.exit_code, 0) << result.err;
         const auto metrics = nlohmann::json::parse(bytes_of(out + "/metrics.json"));
-        EXPECT_LT(metrics.at("ate_rmse_m").get<double>(), 0.03);
+        EXPECT_LT(metrics.at("ate_rmse_m").get<double>(), 0.015);
+        EXPECT_LT(metrics.at("ate_max_m").get<double>(), 0.05) << "as where it sets off";
+        // 3 in the mean of many drives.
+        EXPECT_GT(metrics.at("nees_mean").get<double>(), 0.2);
+        EXPECT_LT(metrics.at("nees_mean").get<double>(), 9);
         EXPECT_EQ(metrics.at("scans_degenerate").get<int>(), 0);
         paths.push_back(bytes_of(out + "/trajectory.tum"));
     }

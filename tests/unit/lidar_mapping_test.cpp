@@ -364,6 +364,28 @@ TEST(Registration, large_cubes_draw_in_what_is_far_off) {
     EXPECT_GT(drawn_in, alone);
 }
 
+TEST(Registration, tells_how_old_the_surfaces_are) {
+    std::mt19937_64 random(9);
+    const auto panels = yard();
+    SurfaceMap map{SurfaceMapSettings{}};
+    for (int sweep = 1; sweep <= 10; ++sweep) {
+        map.begin_sweep();
+        // Two sweeps made all that there is.
+        if (sweep != 3 && sweep != 5) continue;
+        for (int k = 0; k < 50000; ++k) {
+            const Eigen::Vector3d p = place_on(any_of(panels, random), random);
+            for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, p, no_noise);
+        }
+    }
+    const MotionState truth = driving();
+    WorkerPool workers(1);
+    const Registration found = register_sweep(map, sweep_of(panels, truth, 1000, random),
+                                              state_near(truth, Vector12d::Zero(), 0.1, 0.02), {}, workers);
+    // Most parts of cubes had their return from the first of them already.
+    EXPECT_GT(found.age_sweeps, 6);
+    EXPECT_LT(found.age_sweeps, 7);
+}
+
 TEST(Registration, does_not_depend_on_the_number_of_threads) {
     std::mt19937_64 random(6);
     const auto panels = yard();
@@ -396,6 +418,13 @@ TEST(Registration, tells_what_a_corridor_leaves_free_and_keeps_to_the_motion_the
     EXPECT_NEAR(left[1], 0, 0.01);
     EXPECT_NEAR(left[2], 0, 0.01);
     EXPECT_GT(found.state.covariance(0, 0), 0.9 * 0.3 * 0.3);
+    // What adds up from sweep to sweep: along the corridor what was predicted, to the side what was seen.
+    EXPECT_GT(found.by_prediction(0, 0), 0.9 * found.state.covariance(0, 0));
+    EXPECT_GT(found.by_scan(1, 1), 0.9 * found.state.covariance(1, 1));
+    EXPECT_LT((found.by_scan + found.by_prediction - found.state.covariance.topLeftCorner<6, 6>())
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-9);
     EXPECT_LT(found.state.covariance(1, 1), 0.01 * 0.01);
 }
 
