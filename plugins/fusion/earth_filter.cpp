@@ -166,4 +166,19 @@ Innovation<2> innovation_of_velocity(const EarthState& state, const Pose3& T_bas
     return innovation;
 }
 
+Innovation<2> innovation_of_upright(const EarthState& state, const Eigen::Vector3d& up_base,
+                                    const Eigen::Matrix2d& covariance_rad2) {
+    const Eigen::Vector3d up_enu = state.T_enu_base.rotation * up_base;
+    Innovation<2> innovation;
+    innovation.off = -up_enu.head<2>();
+    innovation.H.setZero();
+    innovation.H.middleCols<3>(3) = -cross_matrix(up_enu).topRows<2>();
+    // A turn d moves what is upright by (d_y, -d_x).
+    Eigen::Matrix2d by_turn;
+    by_turn << 0, 1, -1, 0;
+    innovation.covariance = innovation.H * state.covariance * innovation.H.transpose() +
+                            by_turn * covariance_rad2 * by_turn.transpose();
+    return innovation;
+}
+
 }  // namespace loopline::fusion

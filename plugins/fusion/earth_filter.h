@@ -97,6 +97,11 @@ Innovation<2> innovation_of_velocity(const EarthState& state, const Pose3& T_bas
                                      const Eigen::Vector3d& v_base_mps, bool by_wheels,
                                      const Eigen::Vector2d& v_enu_mps, double sigma_mps);
 
+/// What the odometry's frame says is upright: `up_base`, of length 1, along the vehicle's axes. The
+/// covariance is of the turn about east and north by which it errs.
+Innovation<2> innovation_of_upright(const EarthState& state, const Eigen::Vector3d& up_base,
+                                    const Eigen::Matrix2d& covariance_rad2);
+
 template <int rows>
 EarthState updated(const EarthState& state, const Innovation<rows>& innovation) {
     const Eigen::Matrix<double, state_errors, rows> PHt = state.covariance * innovation.H.transpose();

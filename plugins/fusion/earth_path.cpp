@@ -34,6 +34,7 @@ WheelErrors EarthPath::wheel_error_sigmas() const {
 void EarthPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance,
                           const std::optional<Twist2>& wheels) {
     PoseNode node{stamp_ns, T_odom_base, covariance, wheels};
+    std::swap(node.upright, upright_);
     if (!poses_.empty())
         node.way_m = poses_.back().way_m +
                      (T_odom_base.translation_m - poses_.back().T_odom_base.translation_m).norm();
@@ -64,6 +65,7 @@ void EarthPath::take(PoseNode node) {
         const StateAndMotion both = motion_to(number, ahead_, &wheel_use_);
         latest_motion_ = {both.T_from_to, both.of_motion()};
         ahead_ = carry(both, duration_s(number), fix_process_, settings_.wheels).after;
+        if (committed_) ahead_ = upright(number, ahead_);
     }
     use_waiting();
     if (committed_) settle_before(stamp_ns - std::llround(1e9 * settings_.late_s));
@@ -125,7 +127,26 @@ StateAndMotion EarthPath::motion_to(std::size_t number, const EarthState& from, 
 }
 
 EarthState EarthPath::predict(std::size_t number, const EarthState& from) const {
-    return carry(motion_to(number, from), duration_s(number), fix_process_, settings_.wheels).after;
+    return upright(number,
+                   carry(motion_to(number, from), duration_s(number), fix_process_, settings_.wheels).after);
+}
+
+/// The state at a pose, by what is upright there; walls that lean more than all uncertainty explains say
+/// nothing.
+EarthState EarthPath::upright(std::size_t number, const EarthState& state) const {
+    if (!pose(number).upright || settings_.sigma_upright_rad == 0) return state;
+    const auto& [R_level_odom, covariance_rad2] = *pose(number).upright;
+    const Eigen::Quaterniond R_base_odom = pose(number).T_odom_base.rotation.conjugate();
+    const Eigen::Vector3d up_base = R_base_odom * (R_level_odom.conjugate() * Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d ahead =
+        state.T_enu_base.rotation * (R_base_odom * (R_level_odom.conjugate() * Eigen::Vector3d::UnitX()));
+    const double heading_rad = std::atan2(ahead.y(), ahead.x());
+    const Eigen::Matrix2d R = Eigen::Rotation2Dd(heading_rad).toRotationMatrix();
+    Eigen::Matrix2d in_enu_rad2 = R * covariance_rad2 * R.transpose();
+    in_enu_rad2.diagonal().array() += settings_.sigma_upright_rad * settings_.sigma_upright_rad;
+    const Innovation<2> innovation = innovation_of_upright(state, up_base, in_enu_rad2);
+    if (innovation.square() > least_squares::chi_square_quantile(2, settings_.gate)) return state;
+    return updated(state, innovation);
 }
 
 /// The last pose that is not later.
@@ -172,7 +193,7 @@ void EarthPath::commit_next() {
     const StateAndMotion both = motion_to(number, state_);
     const Carried carried = carry(both, duration_s(number), fix_process_, settings_.wheels);
     steps_.push_back(SmootherStep(*committed_, both.state, carried));
-    state_ = carried.after;
+    state_ = upright(number, carried.after);
     ++*committed_;
     poses_.pop_front();
     ++dropped_;

@@ -23,6 +23,9 @@ struct EarthPathSettings {
     double drift_m = 0.001, drift_rad = 0.001 * M_PI / 180;
     /// Of the first pose against the horizon: roads lean less to the side than they climb.
     double sigma_roll_rad = 1.5 * M_PI / 180, sigma_pitch_rad = 4 * M_PI / 180;
+    /// Of what walls together lean, beside what the odometry says of their upright; 0: that counts for
+    /// nothing.
+    double sigma_upright_rad = 0.3 * M_PI / 180;
     /// Of the antenna's place on the vehicle, forward and to the left each, about what the log says.
     double sigma_antenna_m = 0;
     double heading_sigma_rad = 3 * M_PI / 180;  ///< with which the heading is taken to be known
@@ -50,6 +53,13 @@ struct Gap {
     Eigen::Vector3d off_m = Eigen::Vector3d::Zero(), dead_reckoning_off_m = Eigen::Vector3d::Zero();
 };
 
+/// What an odometry knows of the upright, by its own map.
+struct Upright {
+    Eigen::Quaterniond R_level_odom = Eigen::Quaterniond::Identity();
+    /// Of the turn about the axes x and y, levelled, that this errs by.
+    Eigen::Matrix2d covariance_rad2 = Eigen::Matrix2d::Zero();
+};
+
 class EarthPath : public FusedPath {
  public:
     explicit EarthPath(const EarthPathSettings& settings);
@@ -58,6 +68,8 @@ class EarthPath : public FusedPath {
 
     void take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance,
                    const std::optional<Twist2>& wheels = std::nullopt) override;
+    /// Told just before the pose at which it is so.
+    void take_upright(const Upright& upright) { upright_ = upright; }
     /// The next pose by wheels alone: their motion since the one before.
     void take_wheels(StampNs stamp_ns, const Twist2& told);
     void take_fix(const gnss::GnssFix& fix, bool withheld = false) override;
@@ -90,6 +102,7 @@ class EarthPath : public FusedPath {
         std::optional<Twist2> wheels;            ///< of the same motion
         bool by_wheels = false;                  ///< they alone
         double way_m = 0;                        ///< since the first
+        std::optional<Upright> upright;
     };
     struct WaitingFix {
         gnss::GnssFix fix;
@@ -118,6 +131,7 @@ class EarthPath : public FusedPath {
     Motion without_what_wheels_told(Motion motion) const;
     StateAndMotion motion_to(std::size_t number, const EarthState& from, WheelUse* use = nullptr) const;
     EarthState predict(std::size_t number, const EarthState& from) const;
+    EarthState upright(std::size_t number, const EarthState& state) const;
     std::size_t pose_before(StampNs stamp_ns) const;
     Pose3 T_odom_at(std::size_t before, StampNs stamp_ns) const;
     void use_waiting();
@@ -149,7 +163,8 @@ class EarthPath : public FusedPath {
     EarthState state_;                      ///< there
     EarthState ahead_;  ///< at the latest pose; in the odometry's frame until the heading is known
     Motion latest_motion_;
-    FixErrorProcess fix_process_;  ///< of the slow error that is being followed
+    std::optional<Upright> upright_;  ///< at the next pose
+    FixErrorProcess fix_process_;     ///< of the slow error that is being followed
     gnss::ErrorProcess process_ = gnss::ErrorProcess::none;
     std::vector<Misfit> misfits_;  ///< since the last fix that was used
     StampNs used_ns_ = 0;          ///< stamp of that

@@ -24,7 +24,7 @@ ModuleInfo FusionModule::info() const {
                     {"CObservationRobotPose", "CObservationOdometry"}};
     if (!motion_label_.empty()) {
         info.uses.emplace_back("CObservationRobotPose");
-        info.takes_back = {motion_label_};
+        info.takes_back = {motion_label_, motion_label_ + upright_suffix};
     }
     if (!told_wheels_label_.empty()) info.uses.emplace_back("CObservationOdometry");
     return info;
@@ -72,6 +72,7 @@ void FusionModule::process(const StreamItem& item, Publisher& publisher) {
     const Moment now{item.sequence, item.stamp_ns, observation->timestamp};
     if (const auto* pose = as<mrpt::obs::CObservationRobotPose>(observation)) {
         if (label == motion_label_) take_pose(now, pose_of(*pose), publisher);
+        if (label == motion_label_ + upright_suffix) take_upright(now, pose_of(*pose));
     } else if (const auto* wheels = as<mrpt::obs::CObservationOdometry>(observation)) {
         const auto& p = wheels->odometry;
         if (label == told_wheels_label_) take_wheels(now, {p.x(), p.y(), p.phi()}, publisher);
@@ -110,9 +111,20 @@ void FusionModule::take_pose(const Moment& now, const PoseWithCovariance& pose, 
         follow(now, pose, publisher);
 }
 
+void FusionModule::take_upright(const Moment& now, const PoseWithCovariance& levelling) {
+    const Eigen::Matrix2d covariance_rad2 = levelling.covariance.block<2, 2>(3, 3);
+    if (!levelling.T_map_base.rotation.coeffs().allFinite() || !covariance_rad2.allFinite()) {
+        ++not_finite_;
+        return;
+    }
+    upright_ = {now.stamp_ns, {levelling.T_map_base.rotation, covariance_rad2}};
+}
+
 void FusionModule::follow(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher) {
     std::optional<Twist2> wheels;
     if (last_) wheels = wheel_path_.motion(last_ns_, now.stamp_ns);
+    if (upright_ && error_state_ != nullptr && upright_->first == now.stamp_ns)
+        error_state_->take_upright(upright_->second);
     path_->take_pose(now.stamp_ns, pose.T_map_base, last_ ? added_covariance(*last_, pose) : Matrix6d::Zero(),
                      wheels);
     last_ = pose;

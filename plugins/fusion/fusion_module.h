@@ -37,6 +37,8 @@ class FusionModule : public Module {
  public:
     static constexpr const char *published_label = "fusion", *odometry_label = "fused_odometry",
                                 *wheels_label = "calibrated_wheels";
+    /// Behind the label of the motion: that of what its module knows of the upright.
+    static constexpr const char* upright_suffix = "_upright";
 
     ModuleInfo info() const override;
     ParameterTable parameters() override;
@@ -69,6 +71,7 @@ class FusionModule : public Module {
     void take_fix(const mrpt::obs::CObservationGPS& gps, StampNs stamp_ns);
     bool is_withheld(StampNs stamp_ns) const;
     void take_pose(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher);
+    void take_upright(const Moment& now, const PoseWithCovariance& levelling);
     void follow(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher);
     void take_wheels(const Moment& now, const Pose2& T_odom_base, Publisher& publisher);
     void publish(const Moment& now, const Pose3& T_odom_base, Publisher& publisher);
@@ -93,6 +96,7 @@ class FusionModule : public Module {
     std::optional<PoseWithCovariance> last_;
     StampNs last_ns_ = 0, first_ns_ = 0;
     std::optional<std::pair<Moment, PoseWithCovariance>> waiting_;  ///< for wheels of its time
+    std::optional<std::pair<StampNs, fusion::Upright>> upright_;    ///< the latest
     fusion::WheelPath wheel_path_;
     std::optional<Pose2> last_wheels_;
     Pose2 T_odom_calibrated_;  ///< wheels without the errors that last

@@ -75,6 +75,10 @@ ParameterTable FusionModule::parameters() {
             "Standard deviation of how far the vehicle leans to the side at its first pose; roads lean less "
             "than they climb.")
         .angle("sigma_pitch_deg", s.sigma_pitch_rad, {0.01, 90}, "And of how steeply it stands there.")
+        .angle(
+            "sigma_upright_deg", s.sigma_upright_rad, {0, 90},
+            "Standard deviation of what the walls of a place lean together, by which the module that tells "
+            "the motion finds the upright; 0: not used.")
         .real("sigma_antenna_m", s.sigma_antenna_m, {0, 10},
               "Standard deviation of the antenna's place on the vehicle, forward and to the left each, about "
               "what the log says; it is found where the vehicle turns.")

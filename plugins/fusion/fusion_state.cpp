@@ -53,6 +53,11 @@ void fields(Archive& archive, WheelUse& use) {
 }
 
 template <class Archive>
+void fields(Archive& archive, Upright& upright) {
+    archive(upright.R_level_odom.coeffs(), upright.covariance_rad2);
+}
+
+template <class Archive>
 void fields(Archive& archive, Gap& gap) {
     archive(gap.from_ns, gap.to_ns, gap.end_pose, gap.way_m, gap.end_m, gap.dead_reckoned_end_m, gap.sigma_m);
 }
@@ -94,14 +99,15 @@ void fields(Archive& archive, EarthPath& path) {
     common(archive, path.earth_, path.heading_, path.count_, path.wheel_use_);
     archive(path.dropped_, path.first_ns_);
     archive.each(path.poses_, [](Archive& a, EarthPath::PoseNode& node) {
-        a(node.stamp_ns, node.T_odom_base, node.covariance, node.wheels, node.by_wheels, node.way_m);
+        a(node.stamp_ns, node.T_odom_base, node.covariance, node.wheels, node.by_wheels, node.way_m,
+          node.upright);
     });
     archive.each(path.waiting_, [](Archive& a, EarthPath::WaitingFix& w) { a(w.fix, w.withheld); });
     archive(path.early_, path.start_);
     std::optional<std::uint64_t> committed = path.committed_;
     archive(committed);
     if (Archive::reading && committed) path.committed_ = *committed;
-    archive(path.state_, path.ahead_, path.latest_motion_, path.fix_process_, path.process_);
+    archive(path.state_, path.ahead_, path.latest_motion_, path.upright_, path.fix_process_, path.process_);
     archive.each(path.misfits_,
                  [](Archive& a, EarthPath::Misfit& misfit) { a(misfit.stamp_ns, misfit.off_m); });
     archive(path.used_ns_, path.steps_);
@@ -139,16 +145,22 @@ void fields(Archive& archive, FusionModule& m) {
         auto& [moment, pose] = *m.waiting_;
         archive(moment.sequence, moment.stamp_ns, moment.timestamp, pose);
     }
+    bool has_upright = m.upright_.has_value();
+    archive(has_upright);
+    if (has_upright) {
+        if constexpr (Archive::reading) m.upright_.emplace();
+        archive(m.upright_->first, m.upright_->second);
+    }
     archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
             m.fused_odometry_, m.online_, m.backwards_, m.not_finite_, m.fixes_, m.geoid_separation_m_);
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 3, *this);
+    write_state(out, info().name, 4, *this);
 }
 
 void FusionModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 3, *this);
+    read_state(in, info().name, 4, *this);
 }
 
 }  // namespace loopline

@@ -3,6 +3,7 @@
 #include "api/pose_observation.h"
 #include "api/sweep_classes.h"
 #include "lidar_mapping/matching_parameters.h"
+#include "lidar_mapping/upright_walls.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(LidarMappingModule, Module, loopline)
@@ -65,6 +66,7 @@ void LidarMappingModule::follow(const LedSweeps::Sweep& now, Publisher& publishe
     sweep.stamp_ns = now.stamp_ns;
     sweep.T_map_base = Pose3Record(T_map_base);
     Eigen::Map<Matrix6d>(sweep.covariance.data()) = placed.covariance;
+    look_for_upright(now, T_map_base, publisher);
     sweeps_.push_back(sweep);
     publish(now, T_map_base, placed.covariance, publisher);
 }
@@ -85,6 +87,24 @@ LidarMappingModule::Placed LidarMappingModule::place(const lidar::SpinningScan& 
     const MotionState state = given ? predict(last, *given, duration_s, settings_.motion)
                                     : predict(last, duration_s, settings_.motion);
     return {state, mapping_->covariance() + state.covariance.topLeftCorner<6, 6>()};
+}
+
+/// Walls around are the same for a while.
+void LidarMappingModule::look_for_upright(const LedSweeps::Sweep& sweep, const Pose3& T_map_base,
+                                          Publisher& publisher) {
+    constexpr double every_m = 50, again_m = 10, unknown = 1000;
+    if (!sweeps_.empty())
+        way_m_ += (T_map_base.translation_m - sweeps_.back().T_map_base.pose().translation_m).norm();
+    if (way_m_ < upright_due_m_) return;
+    const auto upright = upright_by_walls(mapping_->map());
+    upright_due_m_ = way_m_ + (upright ? every_m : again_m);
+    if (!upright) return;
+    Pose3 T_level_map;
+    T_level_map.rotation = Eigen::Quaterniond::FromTwoVectors(upright->up_map, Eigen::Vector3d::UnitZ());
+    Matrix6d covariance = unknown * unknown * Matrix6d::Identity();
+    covariance.block<2, 2>(3, 3) = upright->covariance_rad2;
+    publisher.publish(pose_observation(upright_label, sweep.timestamp, T_level_map, covariance),
+                      sweep.sequence);
 }
 
 void LidarMappingModule::publish(const LedSweeps::Sweep& sweep, const Pose3& T_map_base,

@@ -16,7 +16,9 @@ namespace loopline {
 class LidarMappingModule : public Module, public TimedPerSweep {
     DEFINE_MRPT_OBJECT(LidarMappingModule, loopline)
  public:
-    static constexpr const char* published_label = "lidar_mapping";
+    /// The second: now and then, just before a pose, the turn that brings the map's axes upright, by walls
+    /// around; what is not known of it, the heading and a place, has a standard deviation of 1000.
+    static constexpr const char *published_label = "lidar_mapping", *upright_label = "lidar_mapping_upright";
 
     ModuleInfo info() const override;
     ParameterTable parameters() override;
@@ -44,6 +46,8 @@ class LidarMappingModule : public Module, public TimedPerSweep {
     };
     void follow(const lidar_mapping::LedSweeps::Sweep& sweep, Publisher& publisher);
     Placed place(const lidar::SpinningScan& scan, StampNs middle_ns);
+    void look_for_upright(const lidar_mapping::LedSweeps::Sweep& sweep, const Pose3& T_map_base,
+                          Publisher& publisher);
     void publish(const lidar_mapping::LedSweeps::Sweep& sweep, const Pose3& T_map_base,
                  const Matrix6d& covariance, Publisher& publisher) const;
 
@@ -55,6 +59,7 @@ class LidarMappingModule : public Module, public TimedPerSweep {
     std::unique_ptr<lidar_mapping::SweepMapping> mapping_;
     int between_ = 0;  ///< sweeps since the latest one of the map
     SetAside<Sweep> sweeps_;
+    double way_m_ = 0, upright_due_m_ = 10;
     std::int64_t degenerate_ = 0;
 
     Trajectory trajectory_;  ///< laid out at the end

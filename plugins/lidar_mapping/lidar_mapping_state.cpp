@@ -6,7 +6,7 @@ namespace loopline {
 
 template <class Archive>
 void fields(Archive& archive, LidarMappingModule& m) {
-    archive(*m.mapping_, *m.led_, m.sweeps_, m.degenerate_, m.between_);
+    archive(*m.mapping_, *m.led_, m.sweeps_, m.degenerate_, m.between_, m.way_m_, m.upright_due_m_);
 }
 
 void LidarMappingModule::save_state(mrpt::serialization::CArchive& out) const {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -205,6 +206,27 @@ SurfaceMatch SurfaceMap::find(const MapReturn& seen, std::size_t smallest) const
     SurfaceMatch best;
     for (std::size_t size = smallest; size < sizes_.size(); ++size) look(sizes_[size], seen, best);
     return best;
+}
+
+void SurfaceMap::for_each_plane(const std::function<void(const Eigen::Vector3f&, float)>& see) const {
+    const Size& size = sizes_[std::min<std::size_t>(1, sizes_.size() - 1)];
+    const auto noise2 = static_cast<float>(settings_.sigma_range_m * settings_.sigma_range_m),
+               most = static_cast<float>(settings_.max_sigma_normal_rad * settings_.max_sigma_normal_rad);
+    for (std::uint32_t i = 0; i < size.cells; ++i) {
+        const Cell& cell = size[i];
+        if (cell.kind != SurfaceKind::plane) continue;
+        const float return_m2 = cell.variance_m2 + noise2,
+                    variance = return_m2 / cell.returns * cell.per_beside_m2;
+        if (variance > most) continue;
+        // Of a plane that comes close to a face of the cube, noise has put a part into the next one: what is
+        // left lies along the face.
+        const Eigen::Vector3f normal = vector(cell.direction), mean = vector(cell.sum) / cell.returns;
+        Eigen::Index across = 0;
+        const float most_across = normal.cwiseAbs().maxCoeff(&across),
+                    slant = (normal.lpNorm<1>() - most_across) / most_across / 2,
+                    noise = 3 * std::sqrt(return_m2) * static_cast<float>(size.per_edge);
+        if (std::abs(mean[across]) + slant + noise < 0.5F) see(normal, variance);
+    }
 }
 
 void SurfaceMap::keep_around(const Eigen::Vector3d& p_map_m) {

@@ -83,7 +83,8 @@ TEST(Association, tracked_positions_are_interpolated_for_the_point_that_was_trac
     std::vector<StampedPose> estimate, tracked;
     const Eigen::Vector2d mark_m(0.5, 0.2);
     const auto on_circle = [](double stamp_s) {
-        return planar(stamp_s, 2 * std::cos(0.1 * stamp_s), 2 * std::sin(0.1 * stamp_s), 0.1 * stamp_s + M_PI / 2);
+        return planar(stamp_s, 2 * std::cos(0.1 * stamp_s), 2 * std::sin(0.1 * stamp_s),
+                      0.1 * stamp_s + M_PI / 2);
     };
     for (int i = 0; i < 100; ++i) estimate.push_back(on_circle(0.37 * i));
     for (int i = 99; i >= 0; --i) {
@@ -95,13 +96,16 @@ TEST(Association, tracked_positions_are_interpolated_for_the_point_that_was_trac
     EXPECT_EQ(pairs.size(), 100u);
     // A chord of 0.4 s leaves the circle by r (0.04 rad)^2 / 8 = 0.5 mm.
     EXPECT_LT(absolute_error(pairs, Alignment::none).distance_m.max, 0.6e-3);
-    EXPECT_GT(absolute_error(associate_positions(estimate, tracked, 0.2), Alignment::planar).distance_m.rmse, 1e-3);
+    EXPECT_GT(absolute_error(associate_positions(estimate, tracked, 0.2), Alignment::planar).distance_m.rmse,
+              1e-3);
 
     const std::vector<StampedPose> far = {planar(0, 0, 0, 0), planar(10, 10, 0, 0)};
-    EXPECT_EQ(associate_positions({planar(0.1, 0, 0, 0)}, far, 0.2)[0].T_ref_base_reference.translation_m.x(), 0)
+    EXPECT_EQ(associate_positions({planar(0.1, 0, 0, 0)}, far, 0.2)[0].T_ref_base_reference.translation_m.x(),
+              0)
         << "nobody knows what was between";
     EXPECT_TRUE(associate_positions({planar(5, 0, 0, 0)}, far, 0.2).empty());
-    EXPECT_EQ(associate_positions({planar(10.1, 0, 0, 0)}, far, 0.2)[0].T_ref_base_reference.translation_m.x(), 10);
+    EXPECT_EQ(
+        associate_positions({planar(10.1, 0, 0, 0)}, far, 0.2)[0].T_ref_base_reference.translation_m.x(), 10);
 }
 
 TEST(AbsoluteError, recovers_any_rigid_motion_in_the_plane_and_in_space) {

@@ -120,6 +120,15 @@ TEST(EarthFilter, jacobians_are_central_differences) {
                 1e-7);
         }
 
+        const Eigen::Vector3d up_base = drawn(random, 1).normalized();
+        const auto upright = [&](const EarthState& s) {
+            return innovation_of_upright(s, up_base, Eigen::Matrix2d::Identity());
+        };
+        EXPECT_LT(largest(upright(state).H + by_differences([&](const StateVector& e) -> Eigen::VectorXd {
+                              return upright(moved_by(state, e)).off;
+                          })),
+                  1e-7);
+
         // The errors of wheels grow with the odometry's turn: but for the product of these errors with its
         // own.
         EarthState without_wheel_errors = state;

@@ -204,6 +204,48 @@ TEST(EarthPath, slow_errors_of_single_fixes_are_not_averaged_away) {
 }
 
 // The antenna is not where the log says: turning tells.
+/// A hill side that leans by 2 degrees: along the street nothing tells so, and fixes end before the corner.
+TEST(EarthPath, knows_by_what_is_upright_how_far_it_leans) {
+    Drive drive(30, 0.5);
+    Pose3 T{{0, 0, 0}, inertial::exp_so3({0, 0, 0.5}) * inertial::exp_so3({2 * rad, 0, 0})};
+    for (std::size_t k = 0; k < drive.T_enu_base.size(); ++k) {
+        drive.T_enu_base[k] = T;
+        const double turn_rad = k > 150 && k < 170 ? M_PI / 2 / 19 : 0;
+        T = T * exp_se3({{k > 20 ? 0.8 : 0, 0, 0}, {0, 0, turn_rad}});
+    }
+    const gnss::LocalFrame frame(origin);
+    std::mt19937_64 random(20);
+    const auto height_error_m = [&](bool upright_told, double upright_errs_rad) {
+        EarthPath path{EarthPathSettings{}};
+        const Pose3 T_odom_enu = drive.T_enu_base.front().inverse();
+        for (std::size_t k = 0; k < drive.T_enu_base.size(); ++k) {
+            if (upright_told && k == 80)
+                path.take_upright(
+                    {inertial::exp_so3({upright_errs_rad, 0, 0}) * T_odom_enu.rotation.conjugate(),
+                     1e-6 * Eigen::Matrix2d::Identity()});
+            const Matrix6d covariance = k > 20 ? Matrix6d(1e-8 * Matrix6d::Identity()) : Matrix6d::Zero();
+            path.take_pose(drive.stamps_ns[k], T_odom_enu * drive.T_enu_base[k], covariance);
+            if (k % 2 == 1 || k > 140) continue;
+            gnss::GnssFix fix;
+            fix.stamp_ns = drive.stamps_ns[k];
+            fix.quality = gnss::FixQuality::rtk_fixed;
+            fix.has_position = fix.has_height = true;
+            fix.p_base_antenna_m = p_base_antenna_m;
+            fix.antenna = frame.geodetic(drive.T_enu_base[k] * p_base_antenna_m + drawn(random, 0.01));
+            path.take_fix(fix);
+        }
+        const Pose3 truth = T_path_truth(path) * drive.T_enu_base.back();
+        const double error_m = path.known()->T_enu_base.translation_m.z() - truth.translation_m.z(),
+                     sigma_m = std::sqrt(path.known()->covariance(2, 2));
+        EXPECT_LT(std::abs(error_m), 3 * sigma_m);
+        return std::abs(error_m);
+    };
+    EXPECT_GT(height_error_m(false, 0), 1);
+    EXPECT_LT(height_error_m(true, 0.2 * rad), 0.5);
+    // So far no vehicle leans: something else was taken for walls.
+    EXPECT_GT(height_error_m(true, 15 * rad), 1);
+}
+
 TEST(EarthPath, finds_where_the_antenna_is) {
     EarthPathSettings settings;
     settings.sigma_antenna_m = 2;

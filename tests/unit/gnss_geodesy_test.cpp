@@ -233,7 +233,8 @@ TEST(GeoReference, a_file_reads_back_to_the_same_bits) {
               std::string::npos)
         << text;
     EXPECT_NE(text.find("\nutm_epsg = 32632\nutm_zone = 32\n"), std::string::npos) << text;
-    EXPECT_EQ(georeference_text(GeoReference({84.5, 8.4, 0}, 0)).find("utm"), std::string::npos) << "has no UTM";
+    EXPECT_EQ(georeference_text(GeoReference({84.5, 8.4, 0}, 0)).find("utm"), std::string::npos)
+        << "has no UTM";
 }
 
 TEST(GeoReference, what_is_wrong_in_a_file_is_said) {

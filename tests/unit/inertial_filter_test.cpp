@@ -8,8 +8,8 @@
 #include <functional>
 
 #include "api/state_archive.h"
-#include "least_squares/chi_square.h"
 #include "inertial/planar_updates.h"
+#include "least_squares/chi_square.h"
 #include "support/inertial_drive.h"
 
 using namespace loopline;
@@ -150,7 +150,8 @@ TEST(InertialFilter, gates_pass_what_they_promise) {
     } table[] = {{1, 0.95, 3.841},  {1, 0.99, 6.635},   {1, 0.999, 10.828}, {2, 0.99, 9.210},
                  {3, 0.99, 11.345}, {3, 0.999, 16.266}, {15, 0.95, 24.996}};
     for (const auto& row : table)
-        EXPECT_NEAR(least_squares::chi_square_quantile(row.n, row.probability) / row.quantile, 1, 0.02) << row.n;
+        EXPECT_NEAR(least_squares::chi_square_quantile(row.n, row.probability) / row.quantile, 1, 0.02)
+            << row.n;
 }
 
 TEST(InertialFilter, reverse_prediction_takes_back_a_forward_one_without_noise) {

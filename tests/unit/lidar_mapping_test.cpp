@@ -7,6 +7,7 @@
 
 #include "inertial/rotation_vector.h"
 #include "lidar_mapping/registration.h"
+#include "lidar_mapping/upright_walls.h"
 
 using namespace loopline;
 using namespace loopline::lidar_mapping;
@@ -242,6 +243,41 @@ TEST(SurfaceMap, noise_of_ranges_makes_no_plane_of_a_ring) {
     }
     EXPECT_LE(with, 2);
     EXPECT_GT(without, 20);
+}
+
+/// A map that leans, of walls, a floor and a roof; a car beside it leans otherwise.
+TEST(UprightWalls, tell_which_way_is_up) {
+    std::mt19937_64 random(21);
+    std::normal_distribution<double> normal;
+    auto panels = yard();
+    panels.push_back({{-5, -4, 0}, {8, 0, 0}, {0, 0.35, 1.5}});  // its side, 13 degrees off
+    const Eigen::Vector3d lean_rad(2 * deg, -1.2 * deg, 0);
+    const Eigen::Quaterniond R_map_level = inertial::exp_so3(lean_rad);
+    const auto map_of_part = [&](const std::vector<Panel>& seen, int points) {
+        SurfaceMap map{SurfaceMapSettings{}};
+        for (int k = 0; k < points; ++k) {
+            const Panel& panel = any_of(seen, random);
+            const Eigen::Vector3d n = panel.edge_a_m.cross(panel.edge_b_m).normalized();
+            for (std::size_t size = 0; size < 2; ++size)
+                map.add(size, R_map_level * (place_on(panel, random) + 0.02 * normal(random) * n), no_noise);
+        }
+        return map;
+    };
+    const auto off_rad = [&](const Upright& upright) -> Eigen::Vector2d {
+        return (R_map_level.conjugate() * upright.up_map).head<2>();
+    };
+    const auto upright = upright_by_walls(map_of_part(panels, 300000));
+    ASSERT_TRUE(upright.has_value());
+    EXPECT_LT(off_rad(*upright).norm(), 0.3 * deg);
+    EXPECT_LT(std::sqrt(upright->covariance_rad2.trace()), 0.4 * deg);
+
+    // Walls along x alone: of the turn about y they tell nothing.
+    const auto along_x = upright_by_walls(map_of_part({panels[0], panels[1], panels[2]}, 250000));
+    ASSERT_TRUE(along_x.has_value());
+    EXPECT_LT(std::abs(off_rad(*along_x).y()), 3 * std::sqrt(along_x->covariance_rad2(0, 0)));
+    EXPECT_LT(std::sqrt(along_x->covariance_rad2(0, 0)), 0.4 * deg);
+    EXPECT_GT(std::sqrt(along_x->covariance_rad2(1, 1)), 1.2 * deg);
+    EXPECT_FALSE(upright_by_walls(map_of_part({panels[0]}, 20000)).has_value());
 }
 
 TEST(SurfaceMap, forgets_what_is_far_and_keeps_the_rest) {

@@ -4,8 +4,8 @@
 #include <Eigen/LU>
 #include <random>
 
-#include "line_slam/pose_line_graph.h"
 #include "least_squares/selected_inverse.h"
+#include "line_slam/pose_line_graph.h"
 #include "support/line_slam_world.h"
 
 using namespace loopline;

@@ -6,8 +6,8 @@
 #include <functional>
 #include <random>
 
-#include "line_slam/association.h"
 #include "least_squares/chi_square.h"
+#include "line_slam/association.h"
 #include "line_slam/place_recognition.h"
 
 using namespace loopline;
@@ -184,8 +184,8 @@ TEST(LineSlamAssociation, branch_and_bound_finds_what_trying_everything_finds) {
         const std::function<void(std::size_t)> all = [&](std::size_t i) {
             if (i == z.size()) {
                 const double d2 = distance2(set);
-                if (d2 >= least_squares::chi_square_quantile(2.0 * static_cast<double>(std::max<std::size_t>(set.size(), 1)),
-                                              p.probability))
+                if (d2 >= least_squares::chi_square_quantile(
+                              2.0 * static_cast<double>(std::max<std::size_t>(set.size(), 1)), p.probability))
                     return;
                 if (set.size() > best_size || (set.size() == best_size && d2 < best_distance2)) {
                     best_size = set.size();

@@ -1,4 +1,5 @@
-/// A bump of the ground turns the vehicle by more than its wheels can tell: the walls beside it bring the heading back.
+/// A bump of the ground turns the vehicle by more than its wheels can tell: the walls beside it bring the
+/// heading back.
 #include <gtest/gtest.h>
 
 #include "line_slam/line_ekf_slam.h"
@@ -42,7 +43,9 @@ struct CorridorDrive {
         for (int id = 0; id < slam_.filter().line_ids(); ++id) count += slam_.filter().exists(id);
         return count;
     }
-    double heading_error_rad() const { return wrap_to_pi(slam_.filter().T_map_base().phi_rad - T_world_base_.phi_rad); }
+    double heading_error_rad() const {
+        return wrap_to_pi(slam_.filter().T_map_base().phi_rad - T_world_base_.phi_rad);
+    }
 
     std::vector<test::WorldWall> walls_;
     LineEkfSlam slam_;

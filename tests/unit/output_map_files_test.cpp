@@ -243,7 +243,8 @@ TEST(OutputGrid, cells_follow_the_thresholds_of_the_file_in_all_modes_and_the_or
         EXPECT_EQ(map.T_map_picture.y_m, 7.2);
         EXPECT_EQ(map.T_map_picture.phi_rad, 1.25);
         std::string cells;  // lowest row first
-        for (const MapCell cell : map.cells) cells += cell == MapCell::occupied ? '#' : cell == MapCell::free ? '.' : ' ';
+        for (const MapCell cell : map.cells)
+            cells += cell == MapCell::occupied ? '#' : cell == MapCell::free ? '.' : ' ';
         return cells;
     };
     EXPECT_EQ(cells_of(""), ".# ## ");  // 255 30 101, then 0 60 127

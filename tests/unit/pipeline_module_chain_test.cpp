@@ -83,10 +83,9 @@ TEST(ModuleChain, what_is_asked_back_comes_when_the_item_has_passed_and_only_onc
     journal.clear();
     Results results;
     chain.finish(results);
-    EXPECT_EQ(journal,
-              (Journal{"a:drain", "b:late.a@3", "c:late.a@3", "c:late.a.b@3", "b:drain", "c:late.b@3",
-                       "a:late.b@3", "b:late.b.a@3", "c:late.b.a@3", "c:late.b.a.b@3", "c:drain", "a:finish",
-                       "b:finish", "c:finish"}));
+    EXPECT_EQ(journal, (Journal{"a:drain", "b:late.a@3", "c:late.a@3", "c:late.a.b@3", "b:drain",
+                                "c:late.b@3", "a:late.b@3", "b:late.b.a@3", "c:late.b.a@3", "c:late.b.a.b@3",
+                                "c:drain", "a:finish", "b:finish", "c:finish"}));
 }
 
 TEST(ModuleChain, drains_in_chain_order_then_finishes) {

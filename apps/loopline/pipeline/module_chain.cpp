@@ -59,8 +59,8 @@ void ModuleChain::process(StreamItem item) {
 /// Of what `module` has just published.
 void ModuleChain::keep_for_earlier(std::size_t module) {
     for (std::size_t i = 0; i < module; ++i)
-        for (const std::string& label : takes_back_[i])
-            for (const StreamItem& item : published_)
+        for (const StreamItem& item : published_)
+            for (const std::string& label : takes_back_[i])
                 if (item.observation->sensorLabel == label) to_give_back_.emplace_back(i, item);
 }
 
