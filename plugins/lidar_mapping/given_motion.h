@@ -7,8 +7,9 @@
 namespace loopline::lidar_mapping {
 
 struct GivenMotion {
-    Pose3 T_last_now;  ///< from the middle of the latest sweep of the map to the middle of this one
-    Twist3 velocity;   ///< a second, along the vehicle's axes, now
+    Pose3 T_last_now;        ///< from the middle of the latest sweep of the map to the middle of this one
+    Twist3 velocity;         ///< a second, along the vehicle's axes, now
+    Twist3 velocity_before;  ///< at the latest sweep
     double velocity_over_s = 0.1;                     ///< the time that the velocity is the mean of
     Matrix6d velocity_covariance = Matrix6d::Zero();  ///< of that mean
     /// Of (shift, turn) of T_last_now, along the vehicle's axes at the latest sweep, about the vehicle now.

@@ -55,6 +55,9 @@ std::optional<GivenMotion> PublishedOdometry::motion(StampNs from_ns, StampNs to
     const double over_s = seconds_between(a.stamp_ns, b.stamp_ns);
     given.velocity = log_se3(a.known.T_map_base.inverse() * b.known.T_map_base) * (1 / over_s);
     given.velocity_over_s = over_s;
+    const Sample &c = poses_[from], &d = poses_[from + 1];
+    given.velocity_before = log_se3(c.known.T_map_base.inverse() * d.known.T_map_base) *
+                            (1 / seconds_between(c.stamp_ns, d.stamp_ns));
     given.velocity_covariance = added_covariance(a.known, b.known) / (over_s * over_s);
     const double share = seconds_between(from_ns, to_ns) / seconds_between(poses_[from].stamp_ns, b.stamp_ns);
     given.covariance = std::max(share, 0.0) * added_covariance(poses_[from].known, b.known);

@@ -61,8 +61,8 @@ class SurfaceMap {
     /// The most certain surface among those of the cubes around a place, from size `smallest` on; kind `none`
     /// if there is none.
     SurfaceMatch find(const MapReturn& seen, std::size_t smallest = 0) const;
-    /// Planes of the second smallest cubes, away from their faces: normal, and the variance of its worse known
-    /// direction.
+    /// Planes of the second smallest cubes, away from their faces: normal, and the variance of its worse
+    /// known direction.
     void for_each_plane(const std::function<void(const Eigen::Vector3f&, float)>& see) const;
     /// Forgets what is farther than `keep_radius_m`.
     void keep_around(const Eigen::Vector3d& p_map_m);

@@ -196,10 +196,10 @@ void SweepMapping::follow_first(double duration_s) {
     follow_from(duration_s > 0 ? search_first_velocity(duration_s) : Twist3());
 }
 
-/// As another odometry has it. It also tells the velocity of the first sweep.
+/// As another odometry has it. It also tells the velocity that the first sweep had.
 void SweepMapping::follow_given(double duration_s, const GivenMotion& given) {
     if (sweeps_ == 1) {
-        last_.state = moving_first(given.velocity);
+        last_.state = moving_first(given.velocity_before);
         map_.clear();
         add_to_map(first_, last_.state);
     }
