@@ -10,6 +10,18 @@ using inertial::exp_so3;
 using inertial::log_so3;
 using inertial::turned_both;
 
+namespace {
+
+/// Of one of the odometry's motions, beside what adds up: each of its poses errs by itself, and the next
+/// motion makes up for it.
+double own_variance(double told_variance, int row) {
+    constexpr double own_m = 0.003, own_rad = 0.01 * M_PI / 180, tells_nothing = 1;
+    const double own = row < 3 ? own_m : own_rad;
+    return told_variance < tells_nothing ? own * own : 0;
+}
+
+}  // namespace
+
 EarthState moved_by(const EarthState& state, const StateVector& error) {
     EarthState moved = state;
     moved.T_enu_base.translation_m += error.head<3>();
@@ -47,18 +59,6 @@ StateAndMotion with_wheels(const EarthState& state, const Twist2& told, const Wh
         J * P.middleRows<wheel_error_count>(wheel_errors_at) * J.transpose() + noise_of(told, noise);
     return both;
 }
-
-namespace {
-
-/// Of one of the odometry's motions, beside what adds up: each of its poses errs by itself, and the next
-/// motion makes up for it.
-double own_variance(double told_variance, int row) {
-    constexpr double own_m = 0.003, own_rad = 0.01 * M_PI / 180, tells_nothing = 1;
-    const double own = row < 3 ? own_m : own_rad;
-    return told_variance < tells_nothing ? own * own : 0;
-}
-
-}  // namespace
 
 WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& told,
                                      const WheelNoise& noise) {

@@ -33,7 +33,11 @@ WheelErrors EarthPath::wheel_error_sigmas() const {
 
 void EarthPath::take_pose(StampNs stamp_ns, const Pose3& T_odom_base, const Matrix6d& covariance,
                           const std::optional<Twist2>& wheels) {
-    PoseNode node{stamp_ns, T_odom_base, covariance, wheels};
+    PoseNode node;
+    node.stamp_ns = stamp_ns;
+    node.T_odom_base = T_odom_base;
+    node.covariance = covariance;
+    node.wheels = wheels;
     std::swap(node.upright, upright_);
     if (!poses_.empty())
         node.way_m = poses_.back().way_m +

@@ -1,11 +1,11 @@
 #include "lidar_mapping/sweep_mapping.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "inertial/pose_error.h"
+#include "lidar_mapping/lasting_error.h"
 #include "lidar_mapping/place_noise.h"
 
 namespace loopline::lidar_mapping {
@@ -16,9 +16,6 @@ constexpr double doubtful_part = 0.93, jerk_factor = 10;
 
 /// Where the surroundings hold a sweep no better than this, much would fit.
 constexpr double clear_m = 0.01;
-
-/// Where they hold it better than this, it is not by chance.
-constexpr double well_held_m = 0.004;
 
 /// While the speed at the start is sought, one of so many points of the second sweep is matched.
 constexpr std::size_t search_every = 3;
@@ -41,24 +38,6 @@ bool has_moved(const MotionState& from, const MotionState& to) {
     const Vector12d moved = difference(to, from);
     const Matrix6d covariance = to.covariance.topLeftCorner<6, 6>();
     return moved.head<6>().dot(covariance.ldlt().solve(moved.head<6>())) > contradiction;
-}
-
-/// What of the error of a sweep and the map stays. An error goes into the map, but those of neighbouring
-/// sweeps are of the same surfaces, and are renewed with them only. Where the surroundings hardly hold the
-/// sweep, though, what does is hardly more than chance, and all of it stays.
-Matrix6d what_lasts(const Registration& found) {
-    Eigen::Matrix<double, 6, 1> lever;  // a turn counts by what it moves
-    lever << 1, 1, 1, Eigen::Vector3d::Constant(found.mean_range_m);
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(lever.asDiagonal() * found.by_scan *
-                                                        lever.asDiagonal());
-    const double renewed = 1 / std::max(1.0, found.age_sweeps);
-    Eigen::Matrix<double, 6, 1> lasting_m2 = eigen.eigenvalues().cwiseMax(0);
-    for (double& m2 : lasting_m2) {
-        const double doubt = std::pow(m2 / (well_held_m * well_held_m), 2);
-        m2 *= renewed + (1 - renewed) * doubt / (1 + doubt);
-    }
-    const Matrix6d directions = lever.cwiseInverse().asDiagonal() * eigen.eigenvectors();
-    return directions * lasting_m2.asDiagonal() * directions.transpose();
 }
 
 }  // namespace

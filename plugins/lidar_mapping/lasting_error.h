@@ -1,0 +1,14 @@
+/// What of the error of each sweep adds up along the way, as the map is renewed with what it is matched with.
+#pragma once
+
+#include "lidar_mapping/registration.h"
+
+namespace loopline::lidar_mapping {
+
+/// Covariance of (shift, turn), map axes, that stays of Registration::by_scan. An error goes into the map,
+/// but those of neighbouring sweeps are of the same surfaces, and are renewed with them only: 1 / their mean
+/// age in sweeps (renewal theory). Where the surroundings hardly hold the sweep, though, what does is hardly
+/// more than chance, and all of it stays.
+Matrix6d what_lasts(const Registration& found);
+
+}  // namespace loopline::lidar_mapping
