@@ -119,15 +119,17 @@ StateAndMotion EarthPath::motion_to(std::size_t number, const EarthState& from, 
     const PoseNode& node = pose(number);
     if (node.by_wheels) return with_wheels(from, *node.wheels, settings_.wheels);
     if (!node.wheels) return with_odometry(from, odometry_to(number));
-    const StateAndMotion by_odometry = with_odometry(from, without_what_wheels_told(odometry_to(number)));
-    const WheelInnovation wheels = innovation_of_wheels(by_odometry, *node.wheels, settings_.wheels);
+    const Motion odometry = odometry_to(number);
+    const StateAndMotion held = with_odometry(from, without_what_wheels_told(odometry));
+    const WheelInnovation wheels = innovation_of_wheels(held, *node.wheels, settings_.wheels);
     const double square = wheels.square();
     const bool slipped = square > least_squares::chi_square_quantile(3, settings_.slip_gate);
     if (use != nullptr) {
         ++(slipped ? use->slipped : use->used);
         use->sum_of_squares += slipped ? 0 : square;
     }
-    return slipped ? by_odometry : updated(by_odometry, wheels);
+    // What the odometry may have from wheels that slipped is still more than nothing.
+    return slipped ? with_odometry(from, odometry) : updated(held, wheels);
 }
 
 EarthState EarthPath::predict(std::size_t number, const EarthState& from) const {

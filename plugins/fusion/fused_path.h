@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "api/twist2.h"
 #include "fusion/motion.h"
 #include "gnss/gnss_fix.h"
 #include "gnss/local_frame.h"
-#include "odometry/twist2.h"
 
 namespace loopline::fusion {
 

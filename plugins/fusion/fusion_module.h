@@ -11,12 +11,12 @@
 
 #include "api/module.h"
 #include "api/observation_pool.h"
+#include "api/planar_path.h"
 #include "api/pose3_record.h"
 #include "api/pose_observation.h"
 #include "api/set_aside.h"
 #include "fusion/earth_path.h"
 #include "fusion/paper_path.h"
-#include "fusion/wheel_path.h"
 
 namespace mrpt::obs {
 class CObservationGPS;
@@ -97,7 +97,7 @@ class FusionModule : public Module {
     StampNs last_ns_ = 0, first_ns_ = 0;
     std::optional<std::pair<Moment, PoseWithCovariance>> waiting_;  ///< for wheels of its time
     std::optional<std::pair<StampNs, fusion::Upright>> upright_;    ///< the latest
-    fusion::WheelPath wheel_path_;
+    PlanarPath wheel_path_;
     std::optional<Pose2> last_wheels_;
     Pose2 T_odom_calibrated_;  ///< wheels without the errors that last
     PoseWithCovariance fused_odometry_;

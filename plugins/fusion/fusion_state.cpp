@@ -63,12 +63,6 @@ void fields(Archive& archive, Gap& gap) {
 }
 
 template <class Archive>
-void fields(Archive& archive, WheelPath& path) {
-    archive.each(path.samples_,
-                 [](Archive& a, WheelPath::Sample& sample) { a(sample.stamp_ns, sample.T_odom_base); });
-}
-
-template <class Archive>
 void fields(Archive& archive, SeenFix& fix) {
     archive(fix.time_s, fix.p_local_m, fix.p_enu_m, fix.sigma);
 }

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "api/pose3.h"
-#include "odometry/twist2.h"
+#include "api/twist2.h"
 
 namespace loopline::fusion {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/twist2.h"
 #include "inertial/rotation_vector.h"
-#include "odometry/twist2.h"
 
 namespace loopline::grid_slam {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "api/observation_class.h"
+#include "api/twist2.h"
 #include "inertial/imu_observation.h"
-#include "odometry/twist2.h"
 
 namespace loopline::grid_slam {
 

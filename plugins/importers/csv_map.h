@@ -16,7 +16,7 @@
 
 namespace loopline::csv {
 
-enum class Kind { odometry, steering, wheels, imu, gnss, reference };
+enum class Kind { odometry, steering, wheels, imu, gnss, landmarks, reference };
 
 /// All kinds with their names in a map.
 const std::vector<std::pair<std::string, Kind>>& kinds();

@@ -38,6 +38,9 @@ class SectionCheck {
             case Kind::gnss:
                 check_gnss();
                 break;
+            case Kind::landmarks:
+                need("range"), need("bearing");
+                break;
             case Kind::reference:
                 check_reference();
                 break;

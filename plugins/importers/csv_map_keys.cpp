@@ -81,6 +81,12 @@ std::vector<DeclaredColumn> declared_columns(Kind kind) {
                     {"quality", Q::number, "What kind of fix it is, in quality_codes."},
                     {"satellites", Q::number, "How many were used."},
                     {"hdop", Q::number, "Horizontal dilution of precision."}};
+        case Kind::landmarks:
+            return {time_column,
+                    {"range", Q::length,
+                     "From the sensor to the landmark; to its near side, if a diameter is given."},
+                    {"bearing", Q::angle, "Counter-clockwise from the sensor's x axis."},
+                    {"diameter", Q::length, "Of the landmark: half of it is added to the range."}};
         case Kind::reference:
             break;
     }
@@ -118,6 +124,9 @@ const char* sentence_of(Kind kind) {
             return "Turn rates and accelerations: CObservationIMU.";
         case Kind::gnss:
             return "Fixes of a receiver: CObservationGPS.";
+        case Kind::landmarks:
+            return "Landmarks by range and bearing, a line each, those of one time being one scan: "
+                   "CObservationBearingRange.";
         case Kind::reference:
             break;
     }
@@ -139,8 +148,10 @@ void add_origin(ParameterTable& table, Section& s, const std::string& what) {
 
 const std::vector<std::pair<std::string, Kind>>& kinds() {
     static const std::vector<std::pair<std::string, Kind>> all{
-        {"odometry", Kind::odometry}, {"steering", Kind::steering}, {"wheels", Kind::wheels},
-        {"imu", Kind::imu},           {"gnss", Kind::gnss},         {"reference", Kind::reference}};
+        {"odometry", Kind::odometry},  {"steering", Kind::steering},
+        {"wheels", Kind::wheels},      {"imu", Kind::imu},
+        {"gnss", Kind::gnss},          {"landmarks", Kind::landmarks},
+        {"reference", Kind::reference}};
     return all;
 }
 
@@ -207,6 +218,9 @@ ParameterTable Section::table() {
                        "Geoid above the ellipsoid, where altitudes are above the sea.");
             add_origin(table, *this, "east and north");
             add_mount(table, false);
+            break;
+        case Kind::landmarks:
+            add_mount(table, true);
             break;
         case Kind::reference:
             table.boolean("quaternion_is_inverse", quaternion_is_inverse,

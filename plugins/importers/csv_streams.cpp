@@ -2,6 +2,7 @@
 
 #include "importers/csv_gnss.h"
 #include "importers/csv_imu.h"
+#include "importers/csv_landmarks.h"
 #include "importers/csv_wheels.h"
 
 namespace loopline::csv {
@@ -18,6 +19,8 @@ std::unique_ptr<SensorStream> make_stream(ColumnMap& map, const Section& section
             return std::make_unique<ImuStream>(map, section, path, second_path, problems);
         case Kind::gnss:
             return std::make_unique<GnssStream>(map, section, path, problems);
+        case Kind::landmarks:
+            return std::make_unique<LandmarkStream>(map, section, path, problems);
         case Kind::reference:
             break;
     }

@@ -8,12 +8,12 @@
 
 #include <vector>
 
+#include "api/twist2.h"
+#include "least_squares/selected_inverse.h"
 #include "line_slam/drive_noise.h"
 #include "line_slam/pose_line_graph.h"
-#include "least_squares/selected_inverse.h"
 #include "line_slam/symmetric_sum.h"
 #include "line_slam/wide_interval.h"
-#include "odometry/twist2.h"
 
 namespace loopline::line_slam {
 

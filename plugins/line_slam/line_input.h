@@ -2,9 +2,9 @@
 /// real walls add, and without the skew that the vehicle's motion during a sweep brings in.
 #pragma once
 
+#include "api/twist2.h"
 #include "line_slam/planar_line.h"
 #include "lines/line_segment.h"
-#include "odometry/twist2.h"
 
 namespace loopline::line_slam {
 

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "line_slam/calibration_section.h"
+#include "api/twist2.h"
 #include "least_squares/chi_square.h"
+#include "line_slam/calibration_section.h"
 #include "line_slam/line_input.h"
 #include "lines/observation_lines.h"
-#include "odometry/twist2.h"
 
 namespace loopline {
 IMPLEMENTS_MRPT_OBJECT(LineSlam, Module, loopline)

@@ -1,8 +1,8 @@
 /// Where the vehicle was at every scan, also at those between two steps of the filter.
 #include <Eigen/Geometry>
 
+#include "api/twist2.h"
 #include "line_slam/line_slam_module.h"
-#include "odometry/twist2.h"
 
 namespace loopline {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "odometry/twist2.h"
+#include "api/twist2.h"
 
 namespace loopline::line_slam {
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "api/pose2.h"
-#include "odometry/twist2.h"
+#include "api/twist2.h"
 
 namespace loopline {
 

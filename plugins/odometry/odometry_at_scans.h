@@ -14,8 +14,8 @@
 
 #include "api/pose2.h"
 #include "api/stamp.h"
+#include "api/twist2.h"
 #include "odometry/differential_drive.h"
-#include "odometry/twist2.h"
 
 namespace loopline {
 

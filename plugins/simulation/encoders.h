@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "api/pose2.h"
-#include "odometry/twist2.h"
+#include "api/twist2.h"
 #include "simulation/drive.h"
 
 namespace loopline::simulation {

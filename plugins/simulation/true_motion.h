@@ -8,7 +8,7 @@
 #include "api/pose2.h"
 #include "api/pose3.h"
 #include "api/stamp.h"
-#include "odometry/twist2.h"
+#include "api/twist2.h"
 #include "simulation/ground.h"
 
 namespace loopline::simulation {

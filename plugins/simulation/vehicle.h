@@ -2,7 +2,7 @@
 /// own wheel speeds and its own slip (Hu 2012, sections 2.1, 2.2 and 3.1).
 #pragma once
 
-#include "odometry/twist2.h"
+#include "api/twist2.h"
 #include "simulation/random_stream.h"
 
 namespace loopline::simulation {

@@ -6,11 +6,11 @@
 
 #include "api/pose2.h"
 #include "api/stamp.h"
-#include "odometry/twist2.h"
+#include "api/twist2.h"
 
-namespace loopline::fusion {
+namespace loopline {
 
-class WheelPath {
+class PlanarPath {
  public:
     /// False if it is not later than the one before.
     bool take(StampNs stamp_ns, const Pose2& T_odom_base);
@@ -23,7 +23,7 @@ class WheelPath {
 
  private:
     template <class Archive>
-    friend void fields(Archive&, WheelPath&);
+    friend void fields(Archive&, PlanarPath&);
     struct Sample {
         StampNs stamp_ns = 0;
         Pose2 T_odom_base;
@@ -32,4 +32,10 @@ class WheelPath {
     std::deque<Sample> samples_;
 };
 
-}  // namespace loopline::fusion
+template <class Archive>
+void fields(Archive& archive, PlanarPath& path) {
+    archive.each(path.samples_,
+                 [](Archive& a, PlanarPath::Sample& sample) { a(sample.stamp_ns, sample.T_odom_base); });
+}
+
+}  // namespace loopline

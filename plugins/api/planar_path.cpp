@@ -1,16 +1,16 @@
-#include "fusion/wheel_path.h"
+#include "api/planar_path.h"
 
 #include <algorithm>
 
-namespace loopline::fusion {
+namespace loopline {
 
-bool WheelPath::take(StampNs stamp_ns, const Pose2& T_odom_base) {
+bool PlanarPath::take(StampNs stamp_ns, const Pose2& T_odom_base) {
     if (!samples_.empty() && stamp_ns <= samples_.back().stamp_ns) return false;
     samples_.push_back({stamp_ns, T_odom_base});
     return true;
 }
 
-std::optional<Pose2> WheelPath::at(StampNs stamp_ns) const {
+std::optional<Pose2> PlanarPath::at(StampNs stamp_ns) const {
     const auto after = std::lower_bound(samples_.begin(), samples_.end(), stamp_ns,
                                         [](const Sample& s, StampNs t) { return s.stamp_ns < t; });
     if (after == samples_.end()) return std::nullopt;
@@ -22,14 +22,14 @@ std::optional<Pose2> WheelPath::at(StampNs stamp_ns) const {
         seconds_between(before.stamp_ns, stamp_ns) / seconds_between(before.stamp_ns, after->stamp_ns));
 }
 
-std::optional<Twist2> WheelPath::motion(StampNs from_ns, StampNs to_ns) const {
+std::optional<Twist2> PlanarPath::motion(StampNs from_ns, StampNs to_ns) const {
     const auto from = at(from_ns), to = at(to_ns);
     if (!from || !to) return std::nullopt;
     return log_se2(from->inverse() * *to);
 }
 
-void WheelPath::forget_before(StampNs stamp_ns) {
+void PlanarPath::forget_before(StampNs stamp_ns) {
     while (samples_.size() > 1 && samples_[1].stamp_ns <= stamp_ns) samples_.pop_front();
 }
 
-}  // namespace loopline::fusion
+}  // namespace loopline

@@ -1,0 +1,147 @@
+#include "landmark_odometry/landmark_odometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "inertial/pose_error.h"
+#include "least_squares/chi_square.h"
+
+namespace loopline::landmark_odometry {
+namespace {
+
+constexpr double tentative_apart_m = 1;       // two sightings of what may become a landmark
+constexpr std::int64_t tentative_scans = 10;  // without another sighting of it
+constexpr double clearly_likelier = 6;  // in squares: a second landmark that fits worse by so much is none
+
+}  // namespace
+
+void LandmarkOdometry::take(const Twist2& told, const std::vector<Sighting>& sightings) {
+    ++scans_;
+    filter_.move(told, settings_.motion);
+    way_m_ += std::hypot(told.forward_m, told.left_m);
+    const std::vector<Fate> fates = match(sightings);
+    for (std::size_t k = 0; k < sightings.size(); ++k)
+        if (fates[k] == Fate::open) consider_new(sightings[k]);
+    forget();
+    if (way_m_ - origin_way_m_ >= settings_.begin_anew_m) begin_anew();
+}
+
+/// The likeliest pair first; it makes the pose better by which the others are judged.
+std::vector<LandmarkOdometry::Fate> LandmarkOdometry::match(const std::vector<Sighting>& sightings) {
+    struct Pair {
+        std::size_t sighting, landmark;
+    };
+    const double gate = least_squares::chi_square_quantile(2, settings_.gate), wide = 4 * gate;
+    std::vector<Pair> pairs;
+    for (std::size_t s = 0; s < sightings.size(); ++s)
+        for (std::size_t m = 0; m < filter_.landmarks(); ++m)
+            if (filter_.innovation(m, sightings[s]).square() < wide) pairs.push_back({s, m});
+
+    std::vector<Fate> fates(sightings.size(), Fate::open);
+    while (!pairs.empty()) {
+        // Of each sighting the best two.
+        std::vector<double> best(sightings.size(), std::numeric_limits<double>::infinity()), second = best;
+        std::vector<std::size_t> landmark(sightings.size(), 0);
+        for (const Pair& pair : pairs) {
+            const double square = filter_.innovation(pair.landmark, sightings[pair.sighting]).square();
+            if (square < best[pair.sighting]) {
+                second[pair.sighting] = best[pair.sighting];
+                best[pair.sighting] = square;
+                landmark[pair.sighting] = pair.landmark;
+            } else if (square < second[pair.sighting]) {
+                second[pair.sighting] = square;
+            }
+        }
+        const auto s = static_cast<std::size_t>(std::min_element(best.begin(), best.end()) - best.begin());
+        if (best[s] > gate) break;
+        const std::size_t m = landmark[s];
+        if (second[s] < best[s] + clearly_likelier) {
+            fates[s] = Fate::ambiguous;
+            ++counts_.ambiguous;
+            pairs.erase(
+                std::remove_if(pairs.begin(), pairs.end(), [&](const Pair& p) { return p.sighting == s; }),
+                pairs.end());
+            continue;
+        }
+        filter_.update(m, filter_.innovation(m, sightings[s]));
+        seen_[m].way_m = way_m_;
+        fates[s] = Fate::matched;
+        ++counts_.matched;
+        counts_.sum_of_squares += best[s];
+        pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
+                                   [&](const Pair& p) { return p.sighting == s || p.landmark == m; }),
+                    pairs.end());
+    }
+    return fates;
+}
+
+bool LandmarkOdometry::is_near_landmark(const Sighting& sighting) const {
+    const Eigen::Vector2d p_local_m = filter_.T_local_base() * sighting.p_base_m;
+    for (std::size_t m = 0; m < filter_.landmarks(); ++m)
+        if ((filter_.p_local_m(m) - p_local_m).norm() < settings_.new_beyond_m) return true;
+    return false;
+}
+
+/// A landmark is what was seen in several scans at one place: no leaf, no passer-by.
+void LandmarkOdometry::consider_new(const Sighting& sighting) {
+    if (is_near_landmark(sighting)) {
+        ++counts_.off;
+        return;
+    }
+    const Eigen::Vector2d p_local_m = filter_.T_local_base() * sighting.p_base_m;
+    for (Tentative& tentative : tentative_) {
+        if (tentative.scan == scans_ || (tentative.p_local_m - p_local_m).norm() > tentative_apart_m)
+            continue;
+        tentative.p_local_m = p_local_m;
+        tentative.scan = scans_;
+        ++counts_.tentative;
+        if (++tentative.sightings < settings_.sightings_of_new) return;
+        filter_.add(sighting);
+        seen_.push_back({way_m_});
+        ++counts_.landmarks;
+        tentative_.erase(tentative_.begin() + (&tentative - tentative_.data()));
+        return;
+    }
+    tentative_.push_back({p_local_m, 1, way_m_, scans_});
+    ++counts_.tentative;
+}
+
+void LandmarkOdometry::forget() {
+    for (std::size_t m = seen_.size(); m-- > 0;)
+        if (way_m_ - seen_[m].way_m > settings_.remember_m) {
+            filter_.remove(m);
+            seen_.erase(seen_.begin() + static_cast<std::ptrdiff_t>(m));
+        }
+    tentative_.erase(std::remove_if(tentative_.begin(), tentative_.end(),
+                                    [this](const Tentative& t) { return scans_ - t.scan > tentative_scans; }),
+                     tentative_.end());
+}
+
+PoseWithCovariance LandmarkOdometry::pose() const {
+    PoseWithCovariance pose;
+    pose.T_map_base = origin_.T_map_base * Pose3(filter_.T_local_base());
+    pose.covariance = inertial::grown(origin_.covariance, origin_.T_map_base, pose.T_map_base,
+                                      in_space(filter_.pose_covariance(), way_m_ - origin_way_m_));
+    return pose;
+}
+
+void LandmarkOdometry::begin_anew() {
+    const Pose2 T_base_local = filter_.T_local_base().inverse();
+    origin_ = pose();
+    origin_way_m_ = way_m_;
+    for (Tentative& tentative : tentative_) tentative.p_local_m = T_base_local * tentative.p_local_m;
+    filter_.begin_anew();
+}
+
+Matrix6d LandmarkOdometry::in_space(const Eigen::Matrix3d& covariance, double way_m) const {
+    Matrix6d of_motion = Matrix6d::Zero();
+    constexpr Eigen::Index in_plane[] = {0, 1, 5};
+    for (Eigen::Index i = 0; i < 3; ++i)
+        for (Eigen::Index j = 0; j < 3; ++j) of_motion(in_plane[i], in_plane[j]) = covariance(i, j);
+    of_motion(2, 2) = settings_.up_m * settings_.up_m * way_m;
+    of_motion(3, 3) = of_motion(4, 4) = settings_.tilt_rad * settings_.tilt_rad * way_m;
+    return of_motion;
+}
+
+}  // namespace loopline::landmark_odometry
