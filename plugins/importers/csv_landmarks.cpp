@@ -48,7 +48,9 @@ std::vector<std::string> LandmarkStream::complaints() const {
     auto sentences = rows_.complaints();
     if (impossible_ > 0)
         sentences.push_back("[" + section_.name + "]: " + std::to_string(impossible_) +
-                            " lines have a range or a diameter that can't be and are left out");
+                            (impossible_ == 1
+                                 ? " line has a range or a diameter that can't be and is left out"
+                                 : " lines have a range or a diameter that can't be and are left out"));
     return sentences;
 }
 

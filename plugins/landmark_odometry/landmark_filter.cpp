@@ -34,6 +34,7 @@ void LandmarkFilter::move(const Twist2& told, const MotionNoise& noise) {
                  turns = std::abs(told.turn_rad) / (2 * M_PI);
     Eigen::Matrix3d G = Eigen::Matrix3d::Identity();
     G.topLeftCorner<2, 2>() = rotation(before.phi_rad + told.turn_rad / 2);
+    G.topRightCorner<2, 1>() = F.topRightCorner<2, 1>() / 2;  // made on the way, on average half of it before
     const Eigen::Vector3d variances(noise.along_m * noise.along_m * way_m,
                                     noise.across_m * noise.across_m * way_m,
                                     noise.heading_rad * noise.heading_rad * way_m +

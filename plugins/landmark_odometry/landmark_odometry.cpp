@@ -1,5 +1,7 @@
 #include "landmark_odometry/landmark_odometry.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,7 +12,7 @@
 namespace loopline::landmark_odometry {
 namespace {
 
-constexpr double tentative_apart_m = 1;       // two sightings of what may become a landmark
+constexpr double tentative_sigma_m = 0.1;  // of the way between two sightings of what may become a landmark
 constexpr std::int64_t tentative_scans = 10;  // without another sighting of it
 constexpr double clearly_likelier = 6;  // in squares: a second landmark that fits worse by so much is none
 
@@ -89,22 +91,26 @@ void LandmarkOdometry::consider_new(const Sighting& sighting) {
         ++counts_.off;
         return;
     }
-    const Eigen::Vector2d p_local_m = filter_.T_local_base() * sighting.p_base_m;
-    for (Tentative& tentative : tentative_) {
-        if (tentative.scan == scans_ || (tentative.p_local_m - p_local_m).norm() > tentative_apart_m)
-            continue;
-        tentative.p_local_m = p_local_m;
-        tentative.scan = scans_;
-        ++counts_.tentative;
-        if (++tentative.sightings < settings_.sightings_of_new) return;
-        filter_.add(sighting);
-        seen_.push_back({way_m_});
-        ++counts_.landmarks;
-        tentative_.erase(tentative_.begin() + (&tentative - tentative_.data()));
-        return;
-    }
-    tentative_.push_back({p_local_m, 1, way_m_, scans_});
     ++counts_.tentative;
+    const Pose2 T_local_base = filter_.T_local_base();
+    const Eigen::Vector2d p_local_m = T_local_base * sighting.p_base_m;
+    const Eigen::Matrix2d R_local_base = Eigen::Rotation2Dd(T_local_base.phi_rad).toRotationMatrix(),
+                          covariance_m2 = R_local_base * sighting.covariance_m2 * R_local_base.transpose();
+    const double gate = least_squares::chi_square_quantile(2, settings_.gate);
+    const auto is_it = [&](const Tentative& t) {
+        const Eigen::Vector2d off_m = p_local_m - t.p_local_m;
+        const Eigen::Matrix2d S = t.covariance_m2 + covariance_m2 +
+                                  tentative_sigma_m * tentative_sigma_m * Eigen::Matrix2d::Identity();
+        return t.scan < scans_ && off_m.dot(S.llt().solve(off_m)) < gate;
+    };
+    auto found = std::find_if(tentative_.begin(), tentative_.end(), is_it);
+    if (found == tentative_.end()) found = tentative_.insert(found, {p_local_m, covariance_m2});
+    found->scan = scans_;
+    if (++found->sightings < settings_.sightings_of_new) return;
+    tentative_.erase(found);
+    filter_.add(sighting);
+    seen_.push_back({way_m_});
+    ++counts_.landmarks;
 }
 
 void LandmarkOdometry::forget() {
@@ -130,7 +136,11 @@ void LandmarkOdometry::begin_anew() {
     const Pose2 T_base_local = filter_.T_local_base().inverse();
     origin_ = pose();
     origin_way_m_ = way_m_;
-    for (Tentative& tentative : tentative_) tentative.p_local_m = T_base_local * tentative.p_local_m;
+    const Eigen::Matrix2d R_base_local = Eigen::Rotation2Dd(T_base_local.phi_rad).toRotationMatrix();
+    for (Tentative& tentative : tentative_) {
+        tentative.p_local_m = T_base_local * tentative.p_local_m;
+        tentative.covariance_m2 = R_base_local * tentative.covariance_m2 * R_base_local.transpose();
+    }
     filter_.begin_anew();
 }
 

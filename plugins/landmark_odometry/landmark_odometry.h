@@ -48,9 +48,9 @@ class LandmarkOdometry {
     };
     /// What may become a landmark, in the filter's frame.
     struct Tentative {
-        Eigen::Vector2d p_local_m = Eigen::Vector2d::Zero();
+        Eigen::Vector2d p_local_m = Eigen::Vector2d::Zero();  ///< where it was seen first
+        Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
         int sightings = 0;
-        double way_m = 0;
         std::int64_t scan = 0;  ///< that saw it last
     };
     enum class Fate : std::uint8_t { open, matched, ambiguous };

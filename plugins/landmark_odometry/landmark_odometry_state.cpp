@@ -20,7 +20,8 @@ template <class Archive>
 void fields(Archive& archive, LandmarkOdometry& o) {
     archive(o.filter_, o.origin_, o.way_m_, o.origin_way_m_, o.scans_);
     archive.each(o.seen_, [](auto& a, auto& seen) { a(seen.way_m); });
-    archive.each(o.tentative_, [](auto& a, auto& t) { a(t.p_local_m, t.sightings, t.way_m, t.scan); });
+    archive.each(o.tentative_,
+                 [](auto& a, auto& t) { a(t.p_local_m, t.covariance_m2, t.sightings, t.scan); });
     archive(o.counts_.matched, o.counts_.ambiguous, o.counts_.off, o.counts_.tentative, o.counts_.landmarks,
             o.counts_.sum_of_squares);
 }

@@ -47,6 +47,21 @@ TEST(EarthPath, wheels_that_slip_are_noticed_and_do_not_count) {
                   0.1);
 }
 
+// Where the odometry is uncertain it may have its way from the wheels; if these have slipped, it still knows
+// what it claims.
+TEST(EarthPath, wheels_that_slip_leave_the_word_of_an_odometry_that_is_uncertain) {
+    EarthPath path({});
+    Matrix6d covariance = 1e-6 * Matrix6d::Identity();
+    covariance(0, 0) = 0.05 * 0.05;
+    const Twist2 told{0.8, 0, 0.3};  // a turn that was not made
+    for (int k = 0; k <= 20; ++k)
+        path.take_pose(k * second / 10, Pose3(Pose2{0.8 * k, 0, 0}), covariance, told);
+    EXPECT_EQ(path.wheel_use().slipped, 20U);
+    const Motion& motion = path.latest_motion();
+    EXPECT_NEAR(motion.T_from_to.translation_m.x(), 0.8, 1e-9);
+    EXPECT_NEAR(std::sqrt(motion.covariance(0, 0)), 0.05, 0.001);
+}
+
 // 50 drives by wheels alone: their three errors and the pose, with the covariance that they claim.
 TEST(EarthPath, wheels_alone_find_their_errors) {
     const Receiver receiver;

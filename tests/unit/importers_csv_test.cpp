@@ -1,5 +1,6 @@
 /// Column maps: small tables, and the observations that come out of them number by number.
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservationBearingRange.h>
 #include <mrpt/obs/CObservationGPS.h>
 #include <mrpt/obs/CObservationIMU.h>
 #include <mrpt/obs/CObservationOdometry.h>
@@ -178,6 +179,32 @@ TEST_F(CsvImport, steering_is_added_up_along_a_circle) {
     EXPECT_NE(problems("[car]\nkind = steering\nfile = car.csv\ntime = t\nspeed = v\nsteering = a in rad\n"
                        "wheel_base_m = 2.83\n")
                   .find("no line of car.csv gives all that [car] in map.ini asks for"),
+              std::string::npos);
+}
+
+TEST_F(CsvImport, landmarks_of_one_time_are_one_scan) {
+    folder.write("trees.csv", "t,r,b,d\n1,10,90,0.5\n1,20,-45,0.25\n1.2,7,10,0\n1.2,-1,10,0\n1.4,5,350,1\n");
+    const auto log = import(
+        "[trees]\nkind = landmarks\nfile = trees.csv\ntime = t\nrange = r\nbearing = b in deg\ndiameter = d\n"
+        "x_m = 3.5\nyaw_deg = -90\n");
+    ASSERT_EQ(log.observations.size(), 3u);
+    const auto first = log.at<mrpt::obs::CObservationBearingRange>(0);
+    EXPECT_EQ(log.stamp_ns(0), 1'000'000'000);
+    ASSERT_EQ(first->sensedData.size(), 2u);
+    EXPECT_FLOAT_EQ(first->sensedData[0].range, 10.25F) << "to the middle of the trunk";
+    EXPECT_FLOAT_EQ(first->sensedData[1].range, 20.125F);
+    EXPECT_FLOAT_EQ(first->sensedData[1].yaw, float(-45 * rad_of_deg));
+    EXPECT_EQ(first->sensedData[0].landmarkID, -1);
+    EXPECT_DOUBLE_EQ(first->sensorLocationOnRobot.x(), 3.5);
+    EXPECT_NEAR(first->sensorLocationOnRobot.yaw(), -M_PI / 2, 1e-12);
+    EXPECT_EQ(log.at<mrpt::obs::CObservationBearingRange>(1)->sensedData.size(), 1u);
+    EXPECT_FLOAT_EQ(log.at<mrpt::obs::CObservationBearingRange>(2)->sensedData[0].yaw,
+                    float(-10 * rad_of_deg));
+    EXPECT_NE(log.warnings.find("[trees]: 1 line has a range or a diameter that can't be and is left out"),
+              std::string::npos)
+        << log.warnings;
+    EXPECT_NE(problems("[trees]\nkind = landmarks\nfile = trees.csv\ntime = t\nrange = r\n")
+                  .find("[trees] bearing is missing; name the column that holds it"),
               std::string::npos);
 }
 
@@ -408,10 +435,10 @@ TEST_F(CsvImport, a_reference_by_latitude_or_in_a_local_frame_says_the_same) {
 
 TEST_F(CsvImport, all_that_is_wrong_with_a_map_is_said_with_its_line) {
     folder.write("w.csv", "t,left,right\n1,1,1\n");
-    EXPECT_EQ(
-        problems("[wheels]\nkind = wheel\n[gps]\nfile = x.csv\n"),
-        "map.ini:2: [wheels] kind can't be \"wheel\"; did you mean \"wheels\"?\n"
-        "map.ini:3: [gps] kind is missing; it is one of odometry, steering, wheels, imu, gnss and reference");
+    EXPECT_EQ(problems("[wheels]\nkind = wheel\n[gps]\nfile = x.csv\n"),
+              "map.ini:2: [wheels] kind can't be \"wheel\"; did you mean \"wheels\"?\n"
+              "map.ini:3: [gps] kind is missing; it is one of odometry, steering, wheels, imu, gnss, "
+              "landmarks and reference");
     EXPECT_EQ(problems("[wheels]\nkind = wheels\nfile = w.csv\ntime = t in h\nleft = left\nrigth = right\n"),
               "map.ini:4: [wheels] time is a time, which can't be in \"h\"; its units are s, ms, us and ns\n"
               "map.ini:6: [wheels] rigth is not a key of this section; did you mean \"right\"?");

@@ -1,4 +1,5 @@
 /// Broken runs of many kinds of modules and logs: each goes on to the same bytes.
+#include "support/grove_log.h"
 #include "support/placed_street_map.h"
 #include "support/resumed_run.h"
 #include "support/ring_log.h"
@@ -189,6 +190,17 @@ TEST(ResumedRuns, of_one_that_is_localised_in_a_finished_cloud) {
                               test::placed_street_map() + "\n");
     ASSERT_EQ(runs.run("whole", false), 0);
     for (const std::uint64_t at : {6U, 60U}) {
+        EXPECT_EQ(runs.run("broken", false, Break::kill_all, at), 137);
+        EXPECT_EQ(runs.run("broken", true), 0);
+        runs.expect_same("broken", "whole");
+        std::filesystem::remove_all(runs.path("broken"));
+    }
+}
+
+TEST(ResumedRuns, of_a_drive_among_trees) {
+    const BrokenRuns runs(test::grove_log(), "checkpoint_items = 10\nmodules = landmark_odometry\n");
+    ASSERT_EQ(runs.run("whole", false), 0);
+    for (const std::uint64_t at : {11U, 150U}) {
         EXPECT_EQ(runs.run("broken", false, Break::kill_all, at), 137);
         EXPECT_EQ(runs.run("broken", true), 0);
         runs.expect_same("broken", "whole");
