@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cloud_localisation/sweep_from_above.h"
 
@@ -19,12 +20,19 @@ constexpr std::size_t most_sightings = 20, most_fixes = 100;
 /// The place counts as contradicted by fixes that are farther from the path than this, so many in a row.
 constexpr double off_sigmas = 5;
 constexpr int off_fixes = 3;
+/// What is higher above the lowest point that the map has there, stands on the ground.
+constexpr double above_ground_m = 0.5;
+constexpr std::size_t fewest_standing = 30;  // returns; of fewer nothing can be told
 
 }  // namespace
 
 CloudLocalisation::CloudLocalisation(const LocalisationSettings& settings, const FrozenCloud& map,
-                                     int threads)
-    : settings_(settings), map_(map), workers_(threads), threads_(threads) {
+                                     int threads, MapUncertainty uncertainty)
+    : settings_(settings),
+      map_(map),
+      uncertainty_(std::move(uncertainty)),
+      workers_(threads),
+      threads_(threads) {
     settings_.start.registration = settings.sweeps.registration;
     std::optional<Guess> guess;
     if (settings.T_map_start)
@@ -79,19 +87,23 @@ bool CloudLocalisation::follow(const GivenMotion* given, double duration_s, Stam
                                       : predict(before, duration_s, settings_.sweeps.motion);
     Registration found =
         register_sweep(map_.surfaces(), matched_, predicted, settings_.sweeps.registration, workers_);
-    if (!fits(found)) {
+    double fit = fit_of(found);
+    if (fit < settings_.good_fit) {
         MotionNoise jerk = settings_.sweeps.motion;
         jerk.sigma_acceleration_mps2 *= jerk_factor;
         jerk.sigma_turn_radps2 *= jerk_factor;
         const Registration wider = registered(given != nullptr ? predict(before, *given, duration_s, jerk)
                                                                : predict(before, duration_s, jerk));
-        if (fits(wider) && wider.support > found.support) found = wider;
+        if (const double fit_of_wider = fit_of(wider); fit_of_wider > fit) {
+            found = wider;
+            fit = fit_of_wider;
+        }
     }
-    if (fits(found)) {
+    if (fit >= settings_.good_fit) {
         state_ = found.state;
         unfitting_s_ = 0;
         ++counts_.matched;
-        sum_of_fits_ += found.support / static_cast<double>(matched_.size());
+        sum_of_fits_ += fit;
     } else {
         state_ = predicted;
         unfitting_s_ += duration_s;
@@ -114,8 +126,20 @@ Registration CloudLocalisation::registered(const MotionState& predicted) {
                           &drawn_in.state);
 }
 
-bool CloudLocalisation::fits(const Registration& found) const {
-    return !matched_.empty() && found.support >= settings_.good_fit * static_cast<double>(matched_.size());
+/// Beyond the map nothing is known of the ground, and nothing fits. Where next to nothing stands, as in a
+/// field, all returns count that lie on surfaces.
+double CloudLocalisation::fit_of(const Registration& found) const {
+    const SweepMotion motion(found.state);
+    std::size_t standing = 0, near = 0;
+    for (const SweepPoint& point : matched_) {
+        const Eigen::Vector3d p_map_m = found.state.T_map_base * undistorted(point, motion);
+        const auto* column = map_.columns().find(p_map_m.x(), p_map_m.y());
+        if (column != nullptr && p_map_m.z() - static_cast<double>(column->low_m) < above_ground_m) continue;
+        ++standing;
+        near += map_.surfaces().has_return_near(p_map_m) ? 1 : 0;
+    }
+    if (standing >= fewest_standing) return static_cast<double>(near) / static_cast<double>(standing);
+    return matched_.empty() ? 0 : found.support / static_cast<double>(matched_.size());
 }
 
 bool CloudLocalisation::is_certain() const {
@@ -128,9 +152,15 @@ void CloudLocalisation::put(const MotionState& in_middle, double middle_s, Local
     const MotionState at_stamp = predict(in_middle, -middle_s, MotionNoise{0, 0, 0, 0});
     result.known = true;
     result.T_map_base = lidar_mapping::pose_near(in_middle, -middle_s);
-    result.covariance = at_stamp.covariance.topLeftCorner<6, 6>();
-    result.covariance.diagonal().head<3>().array() += settings_.sigma_map_m * settings_.sigma_map_m;
-    result.covariance.diagonal().tail<3>().array() += settings_.sigma_map_rad * settings_.sigma_map_rad;
+    result.covariance =
+        at_stamp.covariance.topLeftCorner<6, 6>() + covariance_of_map(result.T_map_base.translation_m);
+}
+
+Matrix6d CloudLocalisation::covariance_of_map(const Eigen::Vector3d& p_map_m) const {
+    Matrix6d covariance = uncertainty_.at(p_map_m);
+    covariance.diagonal().head<3>().array() += settings_.sigma_map_m * settings_.sigma_map_m;
+    covariance.diagonal().tail<3>().array() += settings_.sigma_map_rad * settings_.sigma_map_rad;
+    return covariance;
 }
 
 // ---- where it is searched for ----
@@ -273,8 +303,9 @@ void CloudLocalisation::compare_with(const FixInMap& fix) {
     const auto T_map_base = T_frame_base_at(fix.stamp_ns);
     if (!T_map_base) return;
     const Eigen::Vector2d off_m = (fix.p_map_m - *T_map_base * fix.p_base_antenna_m).head<2>();
-    const double sigma_m = std::hypot(fix.sigma_m, settings_.sigma_map_m,
-                                      std::sqrt(std::max(state_.covariance(0, 0), state_.covariance(1, 1))));
+    const Matrix6d covariance =
+        state_.covariance.topLeftCorner<6, 6>() + covariance_of_map(T_map_base->translation_m);
+    const double sigma_m = std::hypot(fix.sigma_m, std::sqrt(std::max(covariance(0, 0), covariance(1, 1))));
     const bool is_off = off_m.norm() > off_sigmas * sigma_m;
     counts_.fixes_off += is_off ? 1 : 0;
     if (is_off && off_in_a_row_ == 0) off_since_ns_ = fix.stamp_ns;
@@ -296,7 +327,7 @@ void CloudLocalisation::ask_for_second_opinion(StampNs middle_ns) {
         look_for_start(map_, points_, matched_, state_.velocity, *region, settings_.start, workers_);
     if (!there.found) return;
     const auto seen = seen_from_above(points_, state_.velocity, settings_.start.range_m);
-    if (settings_.start.rival * fit_on_surfaces(map_, seen.standing, state_) > there.fit) return;
+    if (settings_.start.rival * fit_in_map(map_, seen.standing, state_) > there.fit) return;
     ++counts_.moved_by_fixes;
     state_ = there.state;
     way_.clear();

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "cloud_localisation/frozen_cloud.h"
+#include "cloud_localisation/map_uncertainty.h"
 #include "cloud_localisation/start_search.h"
 #include "lidar_mapping/sweep_mapping.h"
 
@@ -23,11 +24,14 @@ struct LocalisationSettings {
     double search_every_s = 0.3;
     double agree_m = 0.3, agree_rad = 2 * M_PI / 180;  ///< two looks are one place if they differ by less
     double fix_age_s = 1;                              ///< a fix tells where to look for so long
-    double good_fit = 0.4;    ///< part of a sweep's returns on surfaces of the map, from which on it fits
+    /// Part of a sweep's returns from above the ground that are where the map has some, from which on it
+    /// fits. The road below fits everywhere.
+    double good_fit = 0.5;
     double lost_after_s = 2;  ///< without a sweep that fits
     double max_sigma_m = 1;   ///< nor is the place known if it is so uncertain
-    /// Errors of the map, which all sweeps at a place share: of where it lies, and of its turn.
-    double sigma_map_m = 0.02, sigma_map_rad = 0.02 * M_PI / 180;
+    /// Errors of the map, which all sweeps at a place share, beside those of the path that it was drawn by:
+    /// of where its surfaces lie, and of their turn.
+    double sigma_map_m = 0.005, sigma_map_rad = 0.005 * M_PI / 180;
 };
 
 /// What a receiver says of its antenna's place, in the map's frame.
@@ -54,7 +58,8 @@ struct LocalisedSweep {
 class CloudLocalisation {
  public:
     /// `map` outlives it.
-    CloudLocalisation(const LocalisationSettings& settings, const FrozenCloud& map, int threads);
+    CloudLocalisation(const LocalisationSettings& settings, const FrozenCloud& map, int threads,
+                      MapUncertainty uncertainty = {});
 
     /// A fix, in the order of the log.
     void take_fix(const FixInMap& fix);
@@ -69,7 +74,7 @@ class CloudLocalisation {
     const Counts& counts() const { return counts_; }
     bool is_searching() const { return local_ != nullptr; }
     const StartLook& latest_look() const { return look_; }
-    /// Mean part of the returns on surfaces, of the sweeps that fitted.
+    /// Mean of that part, of the sweeps that fitted.
     double mean_fit() const {
         return counts_.matched > 0 ? sum_of_fits_ / static_cast<double>(counts_.matched) : 0;
     }
@@ -95,7 +100,7 @@ class CloudLocalisation {
     LocalisedSweep search(const lidar::SpinningScan& scan, const lidar_mapping::GivenMotion* given,
                           StampNs middle_ns);
     lidar_mapping::Registration registered(const lidar_mapping::MotionState& predicted);
-    bool fits(const lidar_mapping::Registration& found) const;
+    double fit_of(const lidar_mapping::Registration& found) const;
     bool is_certain() const;
     void begin_search(const std::optional<Guess>& guess);
     Guess guess_by_motion(double middle_s) const;
@@ -109,10 +114,12 @@ class CloudLocalisation {
     void heed_fixes(StampNs middle_ns);
     void compare_with(const FixInMap& fix);
     void ask_for_second_opinion(StampNs middle_ns);
+    Matrix6d covariance_of_map(const Eigen::Vector3d& p_map_m) const;
     void put(const lidar_mapping::MotionState& in_middle, double middle_s, LocalisedSweep& result) const;
 
     LocalisationSettings settings_;
     const FrozenCloud& map_;
+    MapUncertainty uncertainty_;
     WorkerPool workers_;
     int threads_ = 1;
     lidar_mapping::ScanSampler sampler_;

@@ -50,6 +50,11 @@ std::string CloudLocalisationModule::check_input_files() const {
     CloudMapFile map;
     std::string problem;
     if (!open_cloud_map(map_path_, map, problem)) return problem;
+    try {
+        if (map.path) MapUncertainty known(*map.path);
+    } catch (const std::runtime_error& error) {
+        return error.what();
+    }
     if (start_ == Start::gnss && !map.georeference)
         return "there is no georeference.txt beside " + map.file.string() +
                ", so that a fix does not tell where in the map it is; give start = given with start_x_m, "
@@ -63,6 +68,7 @@ std::vector<std::string> CloudLocalisationModule::input_files() const {
     if (!open_cloud_map(map_path_, map, problem)) return {};
     std::vector<std::string> files{map.file.string()};
     if (!map.georeference_file.empty()) files.push_back(map.georeference_file.string());
+    if (map.path) files.insert(files.end(), {map.path->trajectory.string(), map.path->covariance.string()});
     return files;
 }
 
@@ -82,7 +88,8 @@ void CloudLocalisationModule::start(const RunContext& context) {
         WorkerPool workers(context.threads);
         map_ = std::make_unique<FrozenCloud>(*map.points, settings_.sweeps.map, workers);
     }
-    localisation_ = std::make_unique<CloudLocalisation>(settings_, *map_, context.threads);
+    localisation_ = std::make_unique<CloudLocalisation>(
+        settings_, *map_, context.threads, map.path ? MapUncertainty(*map.path) : MapUncertainty());
     led_ = std::make_unique<LedSweeps>(led_settings_);
 }
 

@@ -33,7 +33,7 @@ ParameterTable CloudLocalisationModule::parameters() {
         .real(
             "sigma_map_m", s.sigma_map_m, {0, 10},
             "Standard deviation of where the map's surfaces are, along each axis, which sweeps at one place "
-            "share.")
+            "share, beside what covariance.csv of the run that placed the map on the Earth says.")
         .angle("sigma_map_deg", s.sigma_map_rad, {0, 10}, "The same of how they are turned.");
     declare_range(table, m.sampling);
     table.real("match_voxel_m", m.match_voxel_m, {0.01, 10},
@@ -43,7 +43,9 @@ ParameterTable CloudLocalisationModule::parameters() {
     led_settings_.declare_odometry(table);
     table
         .real("good_fit", s.good_fit, {0, 1},
-              "Part of a sweep's returns on surfaces of the map from which on it counts as fitting.")
+              "Part of a sweep's returns from above the ground that are where the map has some, from which "
+              "on it "
+              "counts as fitting.")
         .real("lost_after_s", s.lost_after_s, {0.1, 1000},
               "After so long without a sweep that fits, the place is searched for anew.")
         .real("max_sigma_m", s.max_sigma_m, {0.01, 100}, "And if it is so uncertain in any direction.")
@@ -55,7 +57,7 @@ ParameterTable CloudLocalisationModule::parameters() {
         .real("search_max_window_m", s.start.max_window_m, {1, 100},
               "They look no farther around than this; where less is known of the place, none is tried.")
         .real("search_min_fit", s.start.min_fit, {0, 1},
-              "Part of the returns from upright things that must lie on surfaces of the map.")
+              "Part of the returns from upright things that must be where the map has some.")
         .real("search_rival", s.start.rival, {0, 1},
               "Another place that fits so well, as a part of the best one, makes it ambiguous: the search "
               "waits.");

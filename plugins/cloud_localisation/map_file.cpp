@@ -30,6 +30,9 @@ bool open_cloud_map(const fs::path& named, CloudMapFile& map, std::string& probl
         if (const fs::path beside = map.file.parent_path() / "georeference.txt"; fs::exists(beside, none)) {
             map.georeference_file = beside;
             map.georeference = gnss::read_georeference(beside.string());
+            const fs::path folder = map.file.parent_path();
+            const PathFiles path{folder / "trajectory.tum", folder / "covariance.csv"};
+            if (fs::exists(path.trajectory, none) && fs::exists(path.covariance, none)) map.path = path;
         }
     } catch (const PointFileError& error) {
         problem = std::string(error.what()) + "; give a PLY, PCD or LAS file as a run writes it";

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "cloud_localisation/map_uncertainty.h"
 #include "gnss/geo_reference.h"
 #include "point_files/point_file.h"
 
@@ -16,6 +17,8 @@ struct CloudMapFile {
     std::filesystem::path georeference_file;  ///< empty: there is none beside it
     std::shared_ptr<const PointFile> points;  ///< null where only names are asked for
     std::optional<gnss::GeoReference> georeference;
+    /// Of the run that placed it on the Earth, if they lie beside it: trajectory.tum and covariance.csv.
+    std::optional<PathFiles> path;
 };
 
 /// The file of a run directory's cloud, or the one that is named. With `problem`, a sentence, if there is

@@ -145,7 +145,7 @@ std::optional<Matched> matched_at(const FrozenCloud& map, const Pose2& T_map_bas
     Matched result;
     result.registration =
         register_sweep(map.surfaces(), matched, predicted, settings.registration, workers, &drawn_in.state);
-    result.fit = fit_on_surfaces(map, seen.standing, result.registration.state);
+    result.fit = fit_in_map(map, seen.standing, result.registration.state);
     return result;
 }
 
@@ -180,25 +180,14 @@ StartLook not_found(const std::string& reason) {
 
 }  // namespace
 
-double fit_on_surfaces(const FrozenCloud& map, const std::vector<SweepPoint>& points,
-                       const MotionState& state) {
-    constexpr double loss_scale = 2;
-    const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
-    const Eigen::Matrix3f beams = R.cast<float>();
+double fit_in_map(const FrozenCloud& map, const std::vector<SweepPoint>& points, const MotionState& state) {
     const lidar_mapping::SweepMotion motion(state);
-    double support = 0;
-    for (const SweepPoint& point : points) {
-        const Eigen::Vector3d arm_m = R * lidar_mapping::undistorted(point, motion);
-        const auto match =
-            map.surfaces().find({state.T_map_base.translation_m + arm_m, beams * point.beam_base});
-        if (match.kind == lidar_mapping::SurfaceKind::none) continue;
-        const float along = match.direction_map.dot(match.offset_m);
-        const float e2_m2 = match.kind == lidar_mapping::SurfaceKind::plane
-                                ? along * along
-                                : match.offset_m.squaredNorm() - along * along;
-        support += 1 / (1 + static_cast<double>(e2_m2 / match.variance_m2) / (loss_scale * loss_scale));
-    }
-    return points.empty() ? 0 : support / static_cast<double>(points.size());
+    std::size_t near = 0;
+    for (const SweepPoint& point : points)
+        near += map.surfaces().has_return_near(state.T_map_base * lidar_mapping::undistorted(point, motion))
+                    ? 1
+                    : 0;
+    return points.empty() ? 0 : static_cast<double>(near) / static_cast<double>(points.size());
 }
 
 StartLook look_for_start(const FrozenCloud& map, const std::vector<SweepPoint>& points,

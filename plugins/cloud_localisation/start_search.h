@@ -22,7 +22,7 @@ struct StartSettings {
     int places = 8;     ///< the best of them, which are matched in space
     int columns = 250;  ///< of the sweep that are laid on the map at most
     int min_columns = 25;
-    double min_fit = 0.5;  ///< part of the returns from upright things that lie on surfaces of the map
+    double min_fit = 0.6;  ///< part of the returns from upright things that are where the map has some
     double rival = 0.8;    ///< another place that fits so well, as a part of the best one, makes it ambiguous
     double rival_m = 1, rival_rad = 5 * M_PI / 180;  ///< another place: farther than this, or so turned
     lidar_mapping::RegistrationSettings registration;
@@ -50,8 +50,9 @@ StartLook look_for_start(const FrozenCloud& map, const std::vector<lidar_mapping
                          const std::vector<lidar_mapping::SweepPoint>& matched, const Twist3& velocity,
                          const StartRegion& region, const StartSettings& settings, WorkerPool& workers);
 
-/// Part of points that lie on surfaces of the map, each less the farther off it is.
-double fit_on_surfaces(const FrozenCloud& map, const std::vector<lidar_mapping::SweepPoint>& points,
-                       const lidar_mapping::MotionState& state);
+/// Part of points that are where the map has some, whether these make a surface, as of a wall, or not, as of
+/// a tree.
+double fit_in_map(const FrozenCloud& map, const std::vector<lidar_mapping::SweepPoint>& points,
+                  const lidar_mapping::MotionState& state);
 
 }  // namespace loopline::cloud_localisation

@@ -164,6 +164,35 @@ void SurfaceMap::fit(const Size& size, Cell& cell) const {
     cell.per_beside_m2 = 1 / std::max(variance_m2[1], noise2);
 }
 
+bool SurfaceMap::has_return_near(const Eigen::Vector3d& p_map_m) const {
+    const Size& size = sizes_.front();
+    std::array<int, 3> part{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        part[axis] =
+            static_cast<int>(std::floor(p_map_m[static_cast<Eigen::Index>(axis)] * size.per_edge * parts));
+    static_assert(parts == 4);
+    // Cube by cube, of the neighbouring parts those that are in it.
+    const auto cube = [](int of_part) { return of_part >> 2; };
+    for (int x = cube(part[0] - 1); x <= cube(part[0] + 1); ++x)
+        for (int y = cube(part[1] - 1); y <= cube(part[1] + 1); ++y)
+            for (int z = cube(part[2] - 1); z <= cube(part[2] + 1); ++z) {
+                const Cell* cell = find_cell(size, pack({x, y, z}));
+                if (cell == nullptr) continue;
+                const auto near = [](int of_part, int index) {
+                    return std::pair(std::max(of_part - 1 - 4 * index, 0),
+                                     std::min(of_part + 1 - 4 * index, 3));
+                };
+                const auto [x0, x1] = near(part[0], x);
+                const auto [y0, y1] = near(part[1], y);
+                const auto [z0, z1] = near(part[2], z);
+                for (int i = x0; i <= x1; ++i)
+                    for (int j = y0; j <= y1; ++j)
+                        for (int k = z0; k <= z1; ++k)
+                            if ((cell->seen >> ((i * parts + j) * parts + k) & 1) != 0) return true;
+            }
+    return false;
+}
+
 void SurfaceMap::look(const Size& size, const MapReturn& seen, SurfaceMatch& best) const {
     const VoxelIndex index = index_of(size, seen.p_map_m);
     const Cell* cell = find_cell(size, pack(index));

@@ -61,6 +61,8 @@ class SurfaceMap {
     /// The most certain surface among those of the cubes around a place, from size `smallest` on; kind `none`
     /// if there is none.
     SurfaceMatch find(const MapReturn& seen, std::size_t smallest = 0) const;
+    /// Whether there was a return within a part of the smallest cubes, a quarter of their edge, of a place.
+    bool has_return_near(const Eigen::Vector3d& p_map_m) const;
     /// Planes of the second smallest cubes, away from their faces: normal, and the variance of its worse
     /// known direction.
     void for_each_plane(const std::function<void(const Eigen::Vector3f&, float)>& see) const;

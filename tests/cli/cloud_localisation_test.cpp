@@ -63,9 +63,11 @@ TEST_F(CloudLocalisationRun, finds_a_street_again_and_gives_the_same_bytes_for_a
     EXPECT_EQ(file_text(folder_ / "1/georeference.txt"),
               file_text(placed_street_map() + "/georeference.txt"));
     const auto manifest = nlohmann::json::parse(file_text(folder_ / "1/manifest.json"));
-    ASSERT_EQ(manifest.at("inputs").size(), 3U);
+    ASSERT_EQ(manifest.at("inputs").size(), 5U);
     EXPECT_EQ(manifest["inputs"][1]["path"], placed_street_map() + "/map.cloud.ply");
     EXPECT_EQ(manifest["inputs"][2]["path"], placed_street_map() + "/georeference.txt");
+    EXPECT_EQ(manifest["inputs"][3]["path"], placed_street_map() + "/trajectory.tum");
+    EXPECT_EQ(manifest["inputs"][4]["path"], placed_street_map() + "/covariance.csv");
 }
 
 TEST_F(CloudLocalisationRun, needs_a_map_that_is_there_and_whole) {

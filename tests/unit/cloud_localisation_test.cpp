@@ -213,3 +213,58 @@ TEST(CloudLocalisationStart, is_the_same_for_any_number_of_threads) {
     EXPECT_EQ(a.fit, b.fit);
     EXPECT_EQ(a.rival_fit, b.rival_fit);
 }
+
+// ---- what the map's own path knows of its place ----
+
+namespace {
+
+PathFiles path_files(const TemporaryFolder& folder, const std::string& trajectory,
+                     const std::string& covariance) {
+    return {folder.write("trajectory.tum", trajectory),
+            folder.write("covariance.csv", "header\n" + covariance)};
+}
+
+/// Of a diagonal covariance.
+std::string covariance_row(const std::string& stamp, const std::vector<std::string>& diagonal) {
+    std::string row = stamp;
+    for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t j = 0; j < 6; ++j) row += "," + (i == j ? diagonal[i] : "0");
+    return row + "\n";
+}
+
+}  // namespace
+
+TEST(CloudLocalisationMap, lies_as_well_as_the_path_that_it_was_drawn_by) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> fine{"1e-4", "1e-4", "4e-4", "0", "0", "1e-6"},
+        rough{"1", "4", "9", "0", "0", "0"};
+    const MapUncertainty uncertainty(path_files(
+        folder,
+        "# a path\n1.000000000 0 0 0 0 0 0 1\n2.000000000 1 0 0 0 0 0 1\n3.000000000 50 0 0 0 0 0 1\n",
+        covariance_row("1.000000000", fine) + covariance_row("2.000000000", rough) +
+            covariance_row("3.000000000", rough)));
+    ASSERT_TRUE(uncertainty.is_known());
+    EXPECT_EQ(uncertainty.at({40, 3, 0})(1, 1), 4) << "of the nearest pose";
+    // 20 m ahead of it, a heading that errs by 1 mrad errs by 2 cm to the side.
+    const Matrix6d ahead = uncertainty.at({20, 0, 0});
+    EXPECT_NEAR(ahead(0, 0), 1e-4, 1e-15);
+    EXPECT_NEAR(ahead(1, 1), 1e-4 + 4e-4, 1e-12);
+    EXPECT_NEAR(ahead(1, 5), 20 * 1e-6, 1e-12);
+    EXPECT_FALSE(MapUncertainty().is_known());
+    EXPECT_EQ(MapUncertainty().at({1, 2, 3}).norm(), 0);
+}
+
+TEST(CloudLocalisationMap, a_path_and_covariances_of_two_runs_are_refused) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> any(6, "1");
+    for (const std::string& row : {covariance_row("1.5", any), std::string(), std::string("1,2,3\n"),
+                                   covariance_row("1", {"1", "1", "x", "1", "1", "1"})}) {
+        const auto files = path_files(folder, "1 0 0 0 0 0 0 1\n", row);
+        try {
+            MapUncertainty read(files);
+            FAIL() << row;
+        } catch (const std::runtime_error& error) {
+            EXPECT_NE(std::string(error.what()).find("does not fit"), std::string::npos) << error.what();
+        }
+    }
+}

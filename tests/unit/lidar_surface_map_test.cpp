@@ -139,6 +139,36 @@ TEST(UprightWalls, tell_which_way_is_up) {
     EXPECT_FALSE(upright_by_walls(map_of_part({panels[0]}, 20000)).has_value());
 }
 
+TEST(SurfaceMap, knows_where_returns_were_as_brute_force_does) {
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> place(-3, 3);
+    const auto drawn = [&] { return Eigen::Vector3d(place(random), place(random), place(random)); };
+    SurfaceMap map(SurfaceMapSettings{});
+    // Which eighth of a metre, from the middle of nowhere.
+    const auto part_of = [](const Eigen::Vector3d& p_m) {
+        return Eigen::Array3i((8 * p_m.array()).floor().cast<int>());
+    };
+    std::vector<Eigen::Array3i> seen;
+    for (int k = 0; k < 3000; ++k) {
+        const Eigen::Vector3d p_m = drawn();
+        map.add(0, p_m, no_noise);
+        seen.push_back(part_of(p_m));
+    }
+    int near = 0;
+    constexpr int asked = 3000;
+    for (int k = 0; k < asked; ++k) {
+        const Eigen::Vector3d p_m = drawn();
+        const Eigen::Array3i part = part_of(p_m);
+        const bool expected = std::any_of(seen.begin(), seen.end(), [&](const Eigen::Array3i& other) {
+            return (other - part).abs().maxCoeff() <= 1;
+        });
+        EXPECT_EQ(map.has_return_near(p_m), expected) << p_m.transpose();
+        near += expected ? 1 : 0;
+    }
+    EXPECT_GT(near, asked / 4);
+    EXPECT_LT(near, 3 * asked / 4);
+}
+
 TEST(SurfaceMap, forgets_what_is_far_and_keeps_the_rest) {
     std::mt19937_64 random(4);
     SurfaceMapSettings settings;
