@@ -82,10 +82,9 @@ LidarMappingModule::Placed LidarMappingModule::place(const lidar::SpinningScan& 
         led_->forget_before(middle_ns);
         return {found.state, mapping_->covariance()};
     }
-    const MotionState& last = mapping_->latest().state;
     const double duration_s = seconds_between(*latest_ns, middle_ns);
-    const MotionState state = given ? predict(last, *given, duration_s, settings_.motion)
-                                    : predict(last, duration_s, settings_.motion);
+    const MotionState state = given ? mapping_->carried(*given, duration_s)
+                                    : predict(mapping_->latest().state, duration_s, settings_.motion);
     return {state, mapping_->covariance() + state.covariance.topLeftCorner<6, 6>()};
 }
 

@@ -175,15 +175,18 @@ void SweepMapping::follow_first(double duration_s) {
     follow_from(duration_s > 0 ? search_first_velocity(duration_s) : Twist3());
 }
 
-/// As another odometry has it. It also tells the velocity that the first sweep had.
+MotionState SweepMapping::carried(const GivenMotion& given, double duration_s) const {
+    return predict(sweeps_ == 1 ? moving_first(given.velocity_before) : last_.state, given, duration_s,
+                   settings_.motion);
+}
+
 void SweepMapping::follow_given(double duration_s, const GivenMotion& given) {
+    const MotionState predicted = carried(given, duration_s);
     if (sweeps_ == 1) {
-        last_.state = moving_first(given.velocity_before);
         map_.clear();
-        add_to_map(first_, last_.state);
+        add_to_map(first_, moving_first(given.velocity_before));
     }
-    last_ = register_sweep(map_, matched_, predict(last_.state, given, duration_s, settings_.motion),
-                           settings_.registration, workers_);
+    last_ = register_sweep(map_, matched_, predicted, settings_.registration, workers_);
 }
 
 void SweepMapping::add_to_map(const std::vector<SweepPoint>& points, const MotionState& state) {
