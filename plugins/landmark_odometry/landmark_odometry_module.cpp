@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/mrpt_pose.h"
 #include "api/observation_class.h"
 
 namespace loopline {
@@ -32,10 +31,10 @@ ParameterTable LandmarkOdometryModule::parameters() {
         .text("odometry", odometry_label_,
               "Label of the wheel odometry that leads from scan to scan, CObservationOdometry, such as that "
               "of the log or calibrated_wheels; empty for the one that comes first.")
-        .real("sigma_range_m", sigma_range_m_, {1e-3, 10},
+        .real("sigma_range_m", sightings_.sigma_range_m, {1e-3, 10},
               "Standard deviation of a landmark's range, its own width included.")
-        .angle("sigma_bearing_deg", sigma_bearing_rad_, {1e-3, 45}, "The same of its bearing.")
-        .real("max_range_m", max_range_m_, {1, 1000}, "What is seen farther away is left out.")
+        .angle("sigma_bearing_deg", sightings_.sigma_bearing_rad, {1e-3, 45}, "The same of its bearing.")
+        .real("max_range_m", sightings_.max_range_m, {1, 1000}, "What is seen farther away is left out.")
         .real("gate", s.gate, {0.5, 0.999999},
               "Part of good sightings that are to pass: what is farther off a landmark than they are is not "
               "that one.")
@@ -92,7 +91,8 @@ void LandmarkOdometryModule::take_landmarks(const StreamItem& item,
         ++backwards_;
         return;
     }
-    waiting_.push_back({item.sequence, item.stamp_ns, observation.timestamp, sightings_of(observation)});
+    waiting_.push_back(
+        {item.sequence, item.stamp_ns, observation.timestamp, sightings_of(observation, sightings_)});
 }
 
 void LandmarkOdometryModule::take_wheels(const mrpt::obs::CObservation& observation, StampNs stamp_ns) {
@@ -103,27 +103,6 @@ void LandmarkOdometryModule::take_wheels(const mrpt::obs::CObservation& observat
     const bool finite = std::isfinite(p.x()) && std::isfinite(p.y()) && std::isfinite(p.phi());
     if (wheels->sensorLabel != wheels_in_use_ || !finite) return;
     wheel_poses_ += wheels_.take(stamp_ns, {p.x(), p.y(), wrap_to_pi(p.phi())}) ? 1 : 0;
-}
-
-std::vector<Sighting> LandmarkOdometryModule::sightings_of(
-    const mrpt::obs::CObservationBearingRange& observation) const {
-    const Pose3 T_base_sensor = pose3_from_mrpt(observation.sensorLocationOnRobot);
-    std::vector<Sighting> sightings;
-    for (const auto& seen : observation.sensedData) {
-        const double range_m = seen.range, yaw_rad = seen.yaw, pitch_rad = seen.pitch;
-        if (!(range_m > 0 && range_m <= max_range_m_) || !std::isfinite(yaw_rad) || !std::isfinite(pitch_rad))
-            continue;
-        // Away along the beam, and to its left, as the vehicle has them in its plane.
-        const double level = std::cos(pitch_rad);
-        const Eigen::Vector3d away(level * std::cos(yaw_rad), level * std::sin(yaw_rad),
-                                   -std::sin(pitch_rad));
-        const Eigen::Vector3d left(-std::sin(yaw_rad), std::cos(yaw_rad), 0);
-        Eigen::Matrix2d J;
-        J << (T_base_sensor.rotation * away).head<2>() * sigma_range_m_,
-            (T_base_sensor.rotation * left).head<2>() * level * range_m * sigma_bearing_rad_;
-        sightings.push_back({(T_base_sensor * Eigen::Vector3d(range_m * away)).head<2>(), J * J.transpose()});
-    }
-    return sightings;
 }
 
 void LandmarkOdometryModule::place(const Scan& scan, Publisher& publisher) {

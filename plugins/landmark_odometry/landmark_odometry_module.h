@@ -12,6 +12,7 @@
 #include "api/pose3_record.h"
 #include "api/set_aside.h"
 #include "landmark_odometry/landmark_odometry.h"
+#include "landmark_odometry/sightings.h"
 
 namespace mrpt::obs {
 class CObservationBearingRange;
@@ -55,12 +56,10 @@ class LandmarkOdometryModule : public Module {
     };
     void take_landmarks(const StreamItem& item, const mrpt::obs::CObservationBearingRange& observation);
     void take_wheels(const mrpt::obs::CObservation& observation, StampNs stamp_ns);
-    std::vector<landmark_odometry::Sighting> sightings_of(
-        const mrpt::obs::CObservationBearingRange& observation) const;
     void place(const Scan& scan, Publisher& publisher);
 
     landmark_odometry::LandmarkOdometrySettings settings_;
-    double sigma_range_m_ = 0.1, sigma_bearing_rad_ = 0.5 * M_PI / 180, max_range_m_ = 60;
+    landmark_odometry::SightingSettings sightings_;
     std::string sensor_label_, odometry_label_;
 
     std::unique_ptr<landmark_odometry::LandmarkOdometry> odometry_;

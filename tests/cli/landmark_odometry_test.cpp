@@ -40,6 +40,21 @@ TEST(LandmarkRuns, of_a_drive_among_trees_hold_what_its_wheels_do_not) {
     EXPECT_NEAR(held.metrics.at("landmark_mean_square").get<double>(), 1, 0.2);
 }
 
+TEST(LandmarkRuns, draw_a_map_of_the_trees) {
+    const test::TemporaryFolder folder;
+    const auto ini = folder.write(
+        "run.ini", "[run]\nmodules = landmark_odometry\nmaps = landmarks\nrawlog = " + test::grove_log() +
+                       "\n[outputs]\nreport = false\n");
+    const auto result = test::run_loopline({"run", ini, "--out", (folder / "out").string(), "--quiet"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto metrics = nlohmann::json::parse(test::file_text(folder / "out" / "metrics.json"));
+    // 0.008 trees a square metre, seen up to 30 m beside 80 m of way.
+    EXPECT_GT(metrics.at("landmarks_mapped").get<int>(), 25);
+    EXPECT_LT(metrics.at("landmarks_mapped").get<int>(), 70);
+    EXPECT_TRUE(std::filesystem::exists(folder / "out" / "map.points.ply"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "out" / "snapshots" / "top.png"));
+}
+
 TEST(LandmarkRuns, say_what_is_missing) {
     const test::TemporaryFolder folder;
     const Outcome named = run(folder, "[landmark_odometry]\nodometry = wheel\n", test::grove_log());

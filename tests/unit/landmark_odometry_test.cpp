@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "landmark_odometry/landmark_map.h"
 #include "support/grove.h"
 
 using namespace loopline;
@@ -277,6 +278,33 @@ TEST(LandmarkOdometry, memory_is_that_of_the_landmarks_about) {
             std::max(grove.way_m() < 400 ? first : later, odometry.filter().landmarks());
     }
     EXPECT_LE(later, first + first / 4);
+}
+
+TEST(LandmarkMap, has_each_tree_once_and_nothing_that_was_seen_by_chance) {
+    std::mt19937_64 random(6);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> side(-50, 50);
+    // On a raster of 5 m, each shifted by up to 1 m, seen 30 times by sensors that err by 0.1 to 0.5 m.
+    std::vector<Eigen::Vector2d> trees_m;
+    for (int x = -5; x <= 5; ++x)
+        for (int y = -5; y <= 5; ++y)
+            trees_m.emplace_back(5 * x + side(random) / 50, 5 * y + side(random) / 50);
+    LandmarkMap map(1.5);
+    for (int look = 0; look < 30; ++look) {
+        for (const Eigen::Vector2d& tree_m : trees_m) {
+            const double sigma_m = 0.1 + 0.4 * (look % 5) / 4;
+            map.add(tree_m + sigma_m * Eigen::Vector2d(normal(random), normal(random)),
+                    sigma_m * sigma_m * Eigen::Matrix2d::Identity());
+        }
+        for (int chance = 0; chance < 3; ++chance)
+            map.add({100 + side(random), side(random)}, 0.01 * Eigen::Matrix2d::Identity());
+    }
+    const auto mapped = map.landmarks(10);
+    ASSERT_EQ(mapped.size(), trees_m.size());
+    for (std::size_t k = 0; k < mapped.size(); ++k) {
+        EXPECT_LT((mapped[k].p_map_m - trees_m[k]).norm(), 0.15) << k;
+        EXPECT_NEAR(mapped[k].sightings, 30, 2);
+    }
 }
 
 }  // namespace

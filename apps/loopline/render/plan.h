@@ -6,6 +6,8 @@
 #include <mrpt/maps/COccupancyGridMap2D.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "api/line_map.h"
@@ -23,6 +25,13 @@ struct PointStyle {
     bool by_height = false;
     double lowest_m = 0, highest_m = 1;
 };
+
+/// Few points, as of trees, are drawn larger than the returns of many scans.
+inline double point_size_px(std::size_t points, double body_px) {
+    constexpr double many = 20000, smallest = 0.075, largest = 0.35;  // of the height of the text
+    const double size = smallest * std::sqrt(many / static_cast<double>(std::max<std::size_t>(points, 1)));
+    return std::max(1.0, std::clamp(size, smallest, largest) * body_px);
+}
 
 /// Points as a density: every point counts, none of three million hides what is under it, and a single one is
 /// still seen.

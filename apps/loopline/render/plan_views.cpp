@@ -120,7 +120,7 @@ cv::Mat draw_top_view(const SceneContent& content, PictureSize size) {
     canvas.clip(window.box);
     if (content.grid) draw_grid(canvas, window, *content.grid);
     figure.graticule(window);
-    draw_points(canvas, window, content.points_m, style, std::max(1.0, 0.075 * u));
+    draw_points(canvas, window, content.points_m, style, point_size_px(content.points_m.size(), u));
     if (has_lines) draw_walls(canvas, window, *content.lines, 0.17 * u);
     draw_path(canvas, window, content.odometry_path, palette::dead_reckoning, 0.14 * u, true);
     draw_path(canvas, window, content.estimated_path, palette::estimate, 0.17 * u, false);
