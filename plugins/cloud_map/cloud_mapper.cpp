@@ -78,7 +78,7 @@ Tile& CloudMapper::tile_of(const CubeIndex& block) {
                 of_block[axis] = voxel[axis] >> 3;
                 place = place << 3 | static_cast<unsigned>(voxel[axis] & 7);
             }
-            tile.block(of_block).give(place, static_cast<std::uint8_t>(settings_.removal.surely_there));
+            tile.block(of_block).give(place);
         });
     last_tile_ = &tile;
     last_tile_index_ = index;
@@ -128,6 +128,7 @@ void CloudMapper::take_view(const lidar::SpinningScan& scan) {
     if (settings_.removal.remove_moving) {
         views_.emplace_back(scan, motion_);
         if (views_.size() > static_cast<std::size_t>(settings_.removal.views) + 1) views_.pop_front();
+        clear_ = ClearImage(views_.back());
     }
     begin_pass(count_held());
     forget_far_tiles();

@@ -74,24 +74,45 @@ CloudPoint CloudMapper::point_of(const Block& block, const Candidate& candidate)
     return point;
 }
 
+/// By the latest view, at any of the points that it has given.
+bool CloudMapper::may_be_looked_through(const Block& block) const {
+    const RangeView& view = views_.back();
+    const Block::Box box = block.box_of_given();
+    Eigen::Vector3d middle_m;
+    Eigen::Vector3f half_m;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        middle_m[axis] =
+            (block.index[a] * Block::edge + 0.5 * (box.first[a] + box.last[a] + 1)) * settings_.voxel_m;
+        half_m[axis] = static_cast<float>(0.5 * (box.last[a] - box.first[a]) * settings_.voxel_m);
+    }
+    return clear_.may_look_through(view, (middle_m - view.origin_m()).cast<float>(), half_m,
+                                   settings_.removal.view);
+}
+
 /// What stood for long may have left since: a clamped count (Yguel, Aycard, Laugier 2007) forgets how often
 /// it was seen before. A view asks about one point in `certain_looked_at_by`; in a block where it, or one
 /// before, looked through something, about all.
 void CloudMapper::look_again(Block& block, Verdict& verdict) const {
-    const auto most = static_cast<std::uint8_t>(settings_.removal.surely_there);
+    bool is_doubted = block.is_doubted();
+    const bool may_doubt = may_be_looked_through(block);
+    if (!is_doubted && !may_doubt) return;
     const RangeView& view = views_.back();
-    bool is_doubted = block.least_certainty() < most;
-    block.look_again([&](unsigned place, std::uint8_t& certainty) {
-        if (!is_doubted && (place + views_taken_) % certain_looked_at_by != 0) return;
+    block.look_again([&](unsigned place, std::uint8_t& doubt) {
+        const bool is_asked =
+            is_doubted ? may_doubt || doubt > 0 : (place + views_taken_) % certain_looked_at_by == 0;
+        if (!is_asked) return true;
         const CubeIndex voxel = voxel_at(block, place);
         const Eigen::Vector3d middle_m =
             (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).array() + 0.5) * settings_.voxel_m;
         const Evidence evidence =
             view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view);
-        if (evidence == Evidence::seen && certainty < most) ++certainty;
-        if (evidence != Evidence::through) return;
+        if (evidence == Evidence::seen && doubt > 0) --doubt;
+        if (evidence != Evidence::through) return true;
         is_doubted = true;
-        if (--certainty == 0) verdict.gone.push_back(pack(voxel));
+        if (++doubt < settings_.removal.surely_there) return true;
+        verdict.gone.push_back(pack(voxel));
+        return false;
     });
 }
 
@@ -101,7 +122,7 @@ void CloudMapper::judge(const Piece& piece, bool is_last, Verdict& verdict) cons
         Block& block = piece.tile->blocks()[b];
         if (looks && block.points_given() > 0) look_again(block, verdict);
         if (block.candidates().empty()) continue;
-        block.judge(static_cast<std::uint8_t>(settings_.removal.surely_there), [&](Candidate& candidate) {
+        block.judge([&](Candidate& candidate) {
             if (!is_last && candidate.view > views_taken_) return Block::Fate::stays;  // the next view's
             if (looks) look_at(place_m(block, candidate), candidate);
             if (looks && !is_decided(candidate)) return Block::Fate::stays;

@@ -3,24 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloud_map/azimuth.h"
+
 namespace loopline::cloud_map {
 namespace {
 
-constexpr auto pi = static_cast<float>(M_PI);
 constexpr int bins = 1024;
 constexpr int fewest_columns = 180, most_columns = 4096;
 constexpr int fewest_returns = 4;  ///< of the six beams or more about a place
-
-/// Abramowitz and Stegun 1964, 4.4.49, as turns counter-clockwise from behind: 0 .. 1, right to 1e-5 rad.
-inline float azimuth_turns(float y, float x) {
-    const float ax = std::abs(x), ay = std::abs(y);
-    const float z = std::min(ax, ay) / std::max(std::max(ax, ay), 1e-9f), z2 = z * z;
-    const float octant =
-        z * (0.9998660f + z2 * (-0.3302995f + z2 * (0.1801410f + z2 * (-0.0851330f + z2 * 0.0208351f))));
-    const float quadrant = ay > ax ? pi / 2 - octant : octant;
-    const float half = x < 0 ? pi - quadrant : quadrant;
-    return ((y < 0 ? -half : half) + pi) * (0.5f / pi);
-}
 
 /// Part `turns` of a turn as a place among `count`.
 int part_of_turn(float turns, int count) {
@@ -120,19 +110,16 @@ Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSetting
     const auto reach_m = static_cast<float>(settings.reach_m);
     if (from_origin_m.squaredNorm() > reach_m * reach_m) return Evidence::none;
     // The direction tells when the lidar looked there, and so from where: asked for twice, from nearby.
-    int sector = -1;
-    Eigen::Vector3f p = from_origin_m;
-    float turns = 0;
-    for (int round = 0; round < 2; ++round) {
-        if (round == 0) p = sectors_[0].R_lidar_map * from_origin_m;
-        turns = azimuth_turns(p.y(), p.x());
+    Eigen::Vector3f p = sectors_[0].R_lidar_map * from_origin_m;
+    float turns = azimuth_turns(p.y(), p.x());
+    for (int round = 0, sector = -1; round < 2; ++round) {
         const int found = part_of_turn(turns, sectors);
         if (found == sector) break;
         sector = found;
         const Sector& s = sectors_[static_cast<std::size_t>(sector)];
         p = s.R_lidar_map * (from_origin_m - s.from_origin_m);
+        turns = azimuth_turns(p.y(), p.x());
     }
-    turns = azimuth_turns(p.y(), p.x());
     const float level_m = std::sqrt(p.x() * p.x() + p.y() * p.y());
     const float slope = p.z() / std::max(level_m, 1e-3f), off = static_cast<float>(settings.sigma_slope);
     const int upper = ring_above(slope + off);

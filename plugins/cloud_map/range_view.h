@@ -43,6 +43,7 @@ class RangeView {
  private:
     template <class Archive>
     friend void fields(Archive&, RangeView&);
+    friend class ClearImage;
     struct Sector {
         Eigen::Matrix3f R_lidar_map = Eigen::Matrix3f::Identity();
         Eigen::Vector3f from_origin_m = Eigen::Vector3f::Zero();  ///< of the lidar
