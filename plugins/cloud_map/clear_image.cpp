@@ -69,7 +69,7 @@ ClearImage::Window ClearImage::window_of(const Eigen::Matrix3f& R_lidar_map, con
     window.half_turns = window.level_min_m > across_m
                             ? across_m / window.level_min_m / (2 * static_cast<float>(M_PI)) + slack_turns
                             : 0.5f;
-    window.level_max_m = std::hypot(level_m + along_m, across_m);
+    window.level_max_m = std::sqrt((level_m + along_m) * (level_m + along_m) + across_m * across_m);
     window.z_min_m = p.z() - up_m;
     window.z_max_m = p.z() + up_m;
     return window;

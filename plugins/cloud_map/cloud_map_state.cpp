@@ -75,9 +75,15 @@ void fields_by_tile(Archive& archive, std::map<TileStore::TileIndex, T>& map) {
 }
 
 template <class Archive>
+void fields(Archive& archive, TileStore::Place& place) {
+    archive(place.first, place.count);
+}
+
+template <class Archive>
 void fields(Archive& archive, TileStore& store) {
-    archive(store.cloud_, store.gone_, store.stretches_);
+    archive(store.cloud_, store.gone_, store.stretches_, store.taken_);
     fields_by_tile(archive, store.last_stretch_);
+    fields_by_tile(archive, store.place_of_taken_);
 }
 
 template <class Archive>

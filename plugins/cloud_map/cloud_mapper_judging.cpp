@@ -1,6 +1,7 @@
 /// Which candidates of a cloud are points of it, and which were only passing by: as views tell, a share of
 /// them with each sweep.
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 #include "cloud_map/cloud_mapper.h"
@@ -91,17 +92,16 @@ bool CloudMapper::may_be_looked_through(const Block& block) const {
 }
 
 /// What stood for long may have left since: a clamped count (Yguel, Aycard, Laugier 2007) forgets how often
-/// it was seen before. A view asks about one point in `certain_looked_at_by`; in a block where it, or one
-/// before, looked through something, about all.
+/// it was seen before. A view asks about one point in `certain_looked_at_by`, and about those in doubt; where
+/// it looked through one of them, about all others of the block.
 void CloudMapper::look_again(Block& block, Verdict& verdict) const {
-    bool is_doubted = block.is_doubted();
-    const bool may_doubt = may_be_looked_through(block);
-    if (!is_doubted && !may_doubt) return;
+    const bool may_be_through = may_be_looked_through(block);
+    if (!may_be_through && !block.is_doubted()) return;
     const RangeView& view = views_.back();
-    block.look_again([&](unsigned place, std::uint8_t& doubt) {
-        const bool is_asked =
-            is_doubted ? may_doubt || doubt > 0 : (place + views_taken_) % certain_looked_at_by == 0;
-        if (!is_asked) return true;
+    bool is_through = false;
+    std::bitset<Block::voxels> asked;
+    const auto stays = [&](unsigned place, std::uint8_t& doubt) {
+        asked.set(place);
         const CubeIndex voxel = voxel_at(block, place);
         const Eigen::Vector3d middle_m =
             (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).array() + 0.5) * settings_.voxel_m;
@@ -109,11 +109,18 @@ void CloudMapper::look_again(Block& block, Verdict& verdict) const {
             view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view);
         if (evidence == Evidence::seen && doubt > 0) --doubt;
         if (evidence != Evidence::through) return true;
-        is_doubted = true;
+        is_through = true;
         if (++doubt < settings_.removal.surely_there) return true;
         verdict.gone.push_back(pack(voxel));
         return false;
+    };
+    block.look_again([&](unsigned place, std::uint8_t& doubt) {
+        const bool is_due = may_be_through && (place + views_taken_) % certain_looked_at_by == 0;
+        return doubt == 0 && !is_due ? true : stays(place, doubt);
     });
+    if (!is_through) return;
+    block.look_again(
+        [&](unsigned place, std::uint8_t& doubt) { return asked.test(place) ? true : stays(place, doubt); });
 }
 
 void CloudMapper::judge(const Piece& piece, bool is_last, Verdict& verdict) const {
@@ -211,7 +218,10 @@ void CloudMapper::forget_far_tiles() {
             far.push_back({index, &tile, 0, tile.blocks().size()});
     }
     judge_all(far, true);
-    for (const Piece& piece : far) tiles_.erase(piece.index);
+    for (const Piece& piece : far) {
+        store_.put_away(piece.index, *piece.tile);
+        tiles_.erase(piece.index);
+    }
     last_tile_ = nullptr;
     last_block_ = nullptr;
 }

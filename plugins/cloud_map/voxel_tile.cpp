@@ -21,6 +21,13 @@ void Block::give(unsigned place) {
     ++points_given_;
 }
 
+void Block::give_all(const Bits& given) {
+    given_ = given;
+    int count = 0;
+    for (const std::uint64_t word : given) count += __builtin_popcountll(word);
+    points_given_ = static_cast<std::uint16_t>(count);
+}
+
 /// A place is x y z with three bits each, so a word is a layer across x.
 Block::Box Block::box_of_given() const {
     Box box{};

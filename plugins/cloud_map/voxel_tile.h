@@ -47,6 +47,11 @@ class Block {
     }
     void hold(const Candidate& candidate);
     void give(unsigned place);
+    /// A bit for each voxel that has given its point.
+    using Bits = std::array<std::uint64_t, voxels / 64>;
+    const Bits& given() const { return given_; }
+    /// As given() was, in a block without any; nothing is in doubt.
+    void give_all(const Bits& given);
 
     const std::vector<Candidate>& candidates() const { return candidates_; }
     std::size_t points_given() const { return points_given_; }
@@ -100,7 +105,6 @@ class Block {
  private:
     template <class Archive>
     friend void fields(Archive&, Block&);
-    using Bits = std::array<std::uint64_t, voxels / 64>;
     static std::uint64_t bit(unsigned place) { return std::uint64_t{1} << (place % 64); }
     static unsigned lowest(std::uint64_t bits) { return static_cast<unsigned>(__builtin_ctzll(bits)); }
     static unsigned highest(std::uint64_t bits) { return 63 - static_cast<unsigned>(__builtin_clzll(bits)); }
