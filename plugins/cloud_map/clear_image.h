@@ -9,9 +9,10 @@
 
 namespace loopline::cloud_map {
 
-/// For each pair of neighbouring rings and three columns how far all of their beams went. A view looked
-/// through no place farther away; so what hides a box behind its farthest such cell, as in a hierarchical
-/// z-buffer (Greene, Kass, Miller 1993), hides all places in it.
+/// A cell for each pair of neighbouring rings and three columns: how far all of their beams went on. Through
+/// a place that is farther away the view did not look. So if a box is beyond the farthest of the cells that
+/// it may be in, none of its places was looked through; that is how a hierarchical z-buffer (Greene, Kass,
+/// Miller 1993) leaves out what is hidden.
 class ClearImage {
  public:
     ClearImage() = default;
@@ -33,7 +34,8 @@ class ClearImage {
     static Window window_of(const Eigen::Matrix3f& R_lidar_map, const Eigen::Vector3f& middle_m,
                             const Eigen::Vector3f& half_m);
     bool may_look_through(const RangeView& view, const Window& window, const ViewSettings& settings) const;
-    /// Whether a cell of a row is beyond a range; columns from `first`, which may be outside, to `last`.
+    /// Whether a cell of a row is beyond `range`, in the view's unit; in columns from `first` to `last`,
+    /// which may go over the end of the turn.
     bool any_beyond(int row, int first, int last, int range) const;
 
     static constexpr int group = 8;  ///< columns
