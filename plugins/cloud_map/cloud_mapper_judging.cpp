@@ -85,7 +85,7 @@ bool CloudMapper::may_be_looked_through(const Block& block) const {
         const auto a = static_cast<std::size_t>(axis);
         middle_m[axis] =
             (block.index[a] * Block::edge + 0.5 * (box.first[a] + box.last[a] + 1)) * settings_.voxel_m;
-        half_m[axis] = static_cast<float>(0.5 * (box.last[a] - box.first[a]) * settings_.voxel_m);
+        half_m[axis] = static_cast<float>(0.5 * (box.last[a] - box.first[a] + 1) * settings_.voxel_m);
     }
     return clear_.may_look_through(view, (middle_m - view.origin_m()).cast<float>(), half_m,
                                    settings_.removal.view);
@@ -99,6 +99,7 @@ void CloudMapper::look_again(Block& block, Verdict& verdict) const {
     if (!may_be_through && !block.is_doubted()) return;
     const RangeView& view = views_.back();
     bool is_through = false;
+    const auto half_voxel_m = static_cast<float>(settings_.voxel_m / 2);
     std::bitset<Block::voxels> asked;
     const auto stays = [&](unsigned place, std::uint8_t& doubt) {
         asked.set(place);
@@ -106,7 +107,7 @@ void CloudMapper::look_again(Block& block, Verdict& verdict) const {
         const Eigen::Vector3d middle_m =
             (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).array() + 0.5) * settings_.voxel_m;
         const Evidence evidence =
-            view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view);
+            view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view, half_voxel_m);
         if (evidence == Evidence::seen && doubt > 0) --doubt;
         if (evidence != Evidence::through) return true;
         is_through = true;
