@@ -43,7 +43,8 @@ void fields(Archive& archive, Block& block) {
     for (auto& x : block.index) archive(x);
     for (auto& x : block.given_) archive(x);
     for (auto& x : block.held_) archive(x);
-    plain(archive, block.certainty_);
+    archive(block.points_given_);
+    plain(archive, block.doubts_);
     plain(archive, block.candidates_);
 }
 
@@ -74,15 +75,23 @@ void fields_by_tile(Archive& archive, std::map<TileStore::TileIndex, T>& map) {
 }
 
 template <class Archive>
+void fields(Archive& archive, TileStore::Place& place) {
+    archive(place.first, place.count);
+}
+
+template <class Archive>
 void fields(Archive& archive, TileStore& store) {
-    archive(store.cloud_, store.gone_, store.stretches_);
+    archive(store.cloud_, store.gone_, store.stretches_, store.taken_);
     fields_by_tile(archive, store.last_stretch_);
+    fields_by_tile(archive, store.place_of_taken_);
 }
 
 template <class Archive>
 void fields(Archive& archive, CloudMapper& m) {
     archive(m.store_, m.views_, m.views_taken_, m.viewed_from_m_, m.viewed_ns_, m.has_sweeps_, m.before_m_,
             m.new_candidates_);
+    if constexpr (Archive::reading)
+        if (!m.views_.empty()) m.clear_ = ClearImage(m.views_.back());
     archive(m.pass_.is_under_way, m.pass_.tile[0], m.pass_.tile[1], m.pass_.block, m.pass_.looks_per_sweep);
     fields_by_tile(archive, m.tiles_);
     archive(m.counts_.returns, m.counts_.moving, m.counts_.most_blocks, m.counts_.most_candidates);
@@ -105,11 +114,11 @@ void fields(Archive& archive, CloudMapModule& m) {
 }
 
 void CloudMapModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 3, *this);
+    write_state(out, info().name, 4, *this);
 }
 
 void CloudMapModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 3, *this);
+    read_state(in, info().name, 4, *this);
 }
 
 }  // namespace loopline

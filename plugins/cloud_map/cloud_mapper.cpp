@@ -68,18 +68,7 @@ Tile& CloudMapper::tile_of(const CubeIndex& block) {
     if (last_tile_ != nullptr && index == last_tile_index_) return *last_tile_;
     const auto [found, is_new] = tiles_.try_emplace(index);
     Tile& tile = found->second;
-    // A vehicle that comes back finds its places taken.
-    if (is_new)
-        store_.for_each_of(index, [&](const CloudPoint& point) {
-            const CubeIndex voxel = store_.voxel_of(point);
-            CubeIndex of_block;
-            unsigned place = 0;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                of_block[axis] = voxel[axis] >> 3;
-                place = place << 3 | static_cast<unsigned>(voxel[axis] & 7);
-            }
-            tile.block(of_block).give(place, static_cast<std::uint8_t>(settings_.removal.surely_there));
-        });
+    if (is_new) store_.bring_back(index, tile);  // a vehicle that comes back finds its places taken
     last_tile_ = &tile;
     last_tile_index_ = index;
     return tile;
@@ -128,6 +117,7 @@ void CloudMapper::take_view(const lidar::SpinningScan& scan) {
     if (settings_.removal.remove_moving) {
         views_.emplace_back(scan, motion_);
         if (views_.size() > static_cast<std::size_t>(settings_.removal.views) + 1) views_.pop_front();
+        clear_ = ClearImage(views_.back());
     }
     begin_pass(count_held());
     forget_far_tiles();

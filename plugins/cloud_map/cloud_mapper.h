@@ -6,7 +6,7 @@
 #include <map>
 
 #include "api/worker_pool.h"
-#include "cloud_map/range_view.h"
+#include "cloud_map/clear_image.h"
 #include "cloud_map/sweep_motion.h"
 #include "cloud_map/tile_store.h"
 
@@ -88,6 +88,7 @@ class CloudMapper {
     };
     void judge(const Piece& piece, bool is_last, Verdict& verdict) const;
     void look_again(Block& block, Verdict& verdict) const;
+    bool may_be_looked_through(const Block& block) const;
     void look_at(const Eigen::Vector3d& p_map_m, Candidate& candidate) const;
     bool is_moving(const Candidate& candidate) const;
     bool stands_still(const Candidate& candidate) const;
@@ -112,6 +113,7 @@ class CloudMapper {
     TileStore store_;
     std::map<TileIndex, Tile> tiles_;  ///< around the vehicle
     std::deque<RangeView> views_;      ///< the latest, of which the last has number `views_taken_`
+    ClearImage clear_;                 ///< of the last one
     std::uint32_t views_taken_ = 0;
     Eigen::Vector3d viewed_from_m_ = Eigen::Vector3d::Zero();
     StampNs viewed_ns_ = 0;

@@ -1,6 +1,7 @@
 /// Which candidates of a cloud are points of it, and which were only passing by: as views tell, a share of
 /// them with each sweep.
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 #include "cloud_map/cloud_mapper.h"
@@ -74,25 +75,53 @@ CloudPoint CloudMapper::point_of(const Block& block, const Candidate& candidate)
     return point;
 }
 
-/// What stood for long may have left since: a clamped count (Yguel, Aycard, Laugier 2007) forgets how often
-/// it was seen before. A view asks about one point in `certain_looked_at_by`; in a block where it, or one
-/// before, looked through something, about all.
-void CloudMapper::look_again(Block& block, Verdict& verdict) const {
-    const auto most = static_cast<std::uint8_t>(settings_.removal.surely_there);
+/// By the latest view, at any of the points that it has given.
+bool CloudMapper::may_be_looked_through(const Block& block) const {
     const RangeView& view = views_.back();
-    bool is_doubted = block.least_certainty() < most;
-    block.look_again([&](unsigned place, std::uint8_t& certainty) {
-        if (!is_doubted && (place + views_taken_) % certain_looked_at_by != 0) return;
+    const Block::Box box = block.box_of_given();
+    Eigen::Vector3d middle_m;
+    Eigen::Vector3f half_m;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        middle_m[axis] =
+            (block.index[a] * Block::edge + 0.5 * (box.first[a] + box.last[a] + 1)) * settings_.voxel_m;
+        half_m[axis] = static_cast<float>(0.5 * (box.last[a] - box.first[a] + 1) * settings_.voxel_m);
+    }
+    return clear_.may_look_through(view, (middle_m - view.origin_m()).cast<float>(), half_m,
+                                   settings_.removal.view);
+}
+
+/// What stood for long may have left since: a clamped count (Yguel, Aycard, Laugier 2007) forgets how often
+/// it was seen before. A view asks about one point in `certain_looked_at_by`, and about those in doubt; where
+/// it looked through one of them, about all others of the block.
+void CloudMapper::look_again(Block& block, Verdict& verdict) const {
+    const bool may_be_through = may_be_looked_through(block);
+    if (!may_be_through && !block.is_doubted()) return;
+    const RangeView& view = views_.back();
+    bool is_through = false;
+    const auto half_voxel_m = static_cast<float>(settings_.voxel_m / 2);
+    std::bitset<Block::voxels> asked;
+    const auto stays = [&](unsigned place, std::uint8_t& doubt) {
+        asked.set(place);
         const CubeIndex voxel = voxel_at(block, place);
         const Eigen::Vector3d middle_m =
             (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).array() + 0.5) * settings_.voxel_m;
         const Evidence evidence =
-            view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view);
-        if (evidence == Evidence::seen && certainty < most) ++certainty;
-        if (evidence != Evidence::through) return;
-        is_doubted = true;
-        if (--certainty == 0) verdict.gone.push_back(pack(voxel));
+            view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view, half_voxel_m);
+        if (evidence == Evidence::seen && doubt > 0) --doubt;
+        if (evidence != Evidence::through) return true;
+        is_through = true;
+        if (++doubt < settings_.removal.surely_there) return true;
+        verdict.gone.push_back(pack(voxel));
+        return false;
+    };
+    block.look_again([&](unsigned place, std::uint8_t& doubt) {
+        const bool is_due = may_be_through && (place + views_taken_) % certain_looked_at_by == 0;
+        return doubt == 0 && !is_due ? true : stays(place, doubt);
     });
+    if (!is_through) return;
+    block.look_again(
+        [&](unsigned place, std::uint8_t& doubt) { return asked.test(place) ? true : stays(place, doubt); });
 }
 
 void CloudMapper::judge(const Piece& piece, bool is_last, Verdict& verdict) const {
@@ -101,7 +130,7 @@ void CloudMapper::judge(const Piece& piece, bool is_last, Verdict& verdict) cons
         Block& block = piece.tile->blocks()[b];
         if (looks && block.points_given() > 0) look_again(block, verdict);
         if (block.candidates().empty()) continue;
-        block.judge(static_cast<std::uint8_t>(settings_.removal.surely_there), [&](Candidate& candidate) {
+        block.judge([&](Candidate& candidate) {
             if (!is_last && candidate.view > views_taken_) return Block::Fate::stays;  // the next view's
             if (looks) look_at(place_m(block, candidate), candidate);
             if (looks && !is_decided(candidate)) return Block::Fate::stays;
@@ -190,7 +219,10 @@ void CloudMapper::forget_far_tiles() {
             far.push_back({index, &tile, 0, tile.blocks().size()});
     }
     judge_all(far, true);
-    for (const Piece& piece : far) tiles_.erase(piece.index);
+    for (const Piece& piece : far) {
+        store_.put_away(piece.index, *piece.tile);
+        tiles_.erase(piece.index);
+    }
     last_tile_ = nullptr;
     last_block_ = nullptr;
 }

@@ -3,29 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloud_map/azimuth.h"
+
 namespace loopline::cloud_map {
 namespace {
 
-constexpr auto pi = static_cast<float>(M_PI);
 constexpr int bins = 1024;
 constexpr int fewest_columns = 180, most_columns = 4096;
 constexpr int fewest_returns = 4;  ///< of the six beams or more about a place
-
-/// Abramowitz and Stegun 1964, 4.4.49, as turns counter-clockwise from behind: 0 .. 1, right to 1e-5 rad.
-inline float azimuth_turns(float y, float x) {
-    const float ax = std::abs(x), ay = std::abs(y);
-    const float z = std::min(ax, ay) / std::max(std::max(ax, ay), 1e-9f), z2 = z * z;
-    const float octant =
-        z * (0.9998660f + z2 * (-0.3302995f + z2 * (0.1801410f + z2 * (-0.0851330f + z2 * 0.0208351f))));
-    const float quadrant = ay > ax ? pi / 2 - octant : octant;
-    const float half = x < 0 ? pi - quadrant : quadrant;
-    return ((y < 0 ? -half : half) + pi) * (0.5f / pi);
-}
 
 /// Part `turns` of a turn as a place among `count`.
 int part_of_turn(float turns, int count) {
     const int k = static_cast<int>(turns * static_cast<float>(count));
     return k < 0 ? 0 : k >= count ? count - 1 : k;
+}
+
+/// std::floor() is a call into the library here.
+int whole_below(float x) {
+    const int whole = static_cast<int>(x);
+    return static_cast<float>(whole) > x ? whole - 1 : whole;
 }
 
 }  // namespace
@@ -116,25 +112,25 @@ int RangeView::ring_above(float slope) const {
     return ring;
 }
 
-Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSettings& settings) const {
+Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSettings& settings,
+                         float half_m) const {
     const auto reach_m = static_cast<float>(settings.reach_m);
     if (from_origin_m.squaredNorm() > reach_m * reach_m) return Evidence::none;
     // The direction tells when the lidar looked there, and so from where: asked for twice, from nearby.
-    int sector = -1;
-    Eigen::Vector3f p = from_origin_m;
-    float turns = 0;
-    for (int round = 0; round < 2; ++round) {
-        if (round == 0) p = sectors_[0].R_lidar_map * from_origin_m;
-        turns = azimuth_turns(p.y(), p.x());
+    Eigen::Vector3f p = sectors_[0].R_lidar_map * from_origin_m;
+    float turns = azimuth_turns(p.y(), p.x());
+    for (int round = 0, sector = -1; round < 2; ++round) {
         const int found = part_of_turn(turns, sectors);
         if (found == sector) break;
         sector = found;
         const Sector& s = sectors_[static_cast<std::size_t>(sector)];
         p = s.R_lidar_map * (from_origin_m - s.from_origin_m);
+        turns = azimuth_turns(p.y(), p.x());
     }
-    turns = azimuth_turns(p.y(), p.x());
     const float level_m = std::sqrt(p.x() * p.x() + p.y() * p.y());
-    const float slope = p.z() / std::max(level_m, 1e-3f), off = static_cast<float>(settings.sigma_slope);
+    const float half_slope = half_m / std::max(level_m, 1e-3f);
+    const float slope = p.z() / std::max(level_m, 1e-3f),
+                off = static_cast<float>(settings.sigma_slope) + half_slope;
     const int upper = ring_above(slope + off);
     if (upper < 0 || upper + 1 >= rings()) return Evidence::none;
     int lower = upper + 1;
@@ -143,10 +139,13 @@ Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSetting
     const float margin_m = static_cast<float>(settings.margin_m + settings.margin_per_m * range_m);
     const auto beyond = static_cast<int>((range_m + margin_m) / range_unit_m),
                before = static_cast<int>((range_m - margin_m) / range_unit_m);
-    const int column = part_of_turn(turns, columns_);
+    const auto columns = static_cast<float>(columns_);
+    const float column = std::min(turns * columns, columns - 0.5f),
+                half_columns = std::min(0.25f, half_slope / (2 * static_cast<float>(M_PI))) * columns;
+    const int left = whole_below(column - half_columns), right = whole_below(column + half_columns);
     int returns = 0, there = 0, nearer = 0;
     for (int row = upper; row <= lower; ++row)
-        for (int c = column - 1; c <= column + 1; ++c) {
+        for (int c = left - 1; c <= right + 1; ++c) {
             const int wrapped = c < 0 ? c + columns_ : c >= columns_ ? c - columns_ : c;
             const int range = ranges_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
                                       static_cast<std::size_t>(wrapped)];

@@ -10,6 +10,7 @@ void TileStore::keep_in(const std::filesystem::path& folder, const std::string& 
     cloud_.keep_in(folder, name + "_points");
     gone_.keep_in(folder, name + "_gone");
     stretches_.keep_in(folder, name + "_stretches");
+    taken_.keep_in(folder, name + "_taken");
 }
 
 void TileStore::append(const TileIndex& tile, const std::vector<CloudPoint>& points,
@@ -21,6 +22,22 @@ void TileStore::append(const TileIndex& tile, const std::vector<CloudPoint>& poi
     stretches_.push_back(stretch);
     for (const CloudPoint& point : points) cloud_.push_back(point);
     for (const std::uint64_t voxel : gone) gone_.push_back(voxel);
+}
+
+void TileStore::put_away(const TileIndex& index, const Tile& tile) {
+    Place& place = place_of_taken_[index];
+    place.first = taken_.size();
+    for (const Block& block : tile.blocks())
+        if (block.points_given() > 0) taken_.push_back({block.index, 0, block.given()});
+    place.count = taken_.size() - place.first;
+}
+
+void TileStore::bring_back(const TileIndex& index, Tile& tile) const {
+    const auto found = place_of_taken_.find(index);
+    if (found == place_of_taken_.end()) return;
+    const Place& place = found->second;
+    taken_.for_each(place.first, place.first + place.count,
+                    [&](const Taken& taken) { tile.block(taken.block).give_all(taken.given); });
 }
 
 CubeIndex TileStore::voxel_of(const CloudPoint& point) const {

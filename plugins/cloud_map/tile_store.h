@@ -10,7 +10,8 @@
 namespace loopline::cloud_map {
 
 /// What is written is never touched again: a point that is gone is noted in a file of its own, and left out
-/// when the cloud is complete. For each tile, memory holds a single number.
+/// when the cloud is complete. A third file holds the voxels that are taken of each tile that is not in
+/// memory. For each tile, memory holds three numbers.
 class TileStore {
  public:
     using TileIndex = std::array<std::int32_t, 2>;
@@ -21,6 +22,10 @@ class TileStore {
     /// What is new of a tile: points, and voxels, packed, whose points of before are gone.
     void append(const TileIndex& tile, const std::vector<CloudPoint>& points,
                 const std::vector<std::uint64_t>& gone);
+    /// Notes which voxels of a tile have given their points, which memory forgets until the vehicle comes
+    /// back.
+    void put_away(const TileIndex& index, const Tile& tile);
+    void bring_back(const TileIndex& index, Tile& tile) const;
     /// Calls `use(point)` with all points of a tile that are still there, the latest stretch first.
     template <class Use>
     void for_each_of(const TileIndex& tile, const Use& use) const {
@@ -56,6 +61,18 @@ class TileStore {
         std::uint64_t first_gone = 0, gone_count = 0;
         std::uint64_t before = no_stretch;  ///< the stretch of the same tile before this one
     };
+    struct Taken {
+        CubeIndex block{};
+        std::int32_t reserved = 0;
+        Block::Bits given{};
+    };
+    /// Of a tile that was put away: in `taken_`.
+    struct Place {
+        std::uint64_t first = 0, count = 0;
+    };
+    template <class Archive>
+    friend void fields(Archive&, Place&);
+
     double voxel_m_;
     std::filesystem::path folder_;
     std::string name_;
@@ -63,6 +80,8 @@ class TileStore {
     SetAside<std::uint64_t> gone_;
     SetAside<Stretch> stretches_;
     std::map<TileIndex, std::uint64_t> last_stretch_;
+    SetAside<Taken> taken_;
+    std::map<TileIndex, Place> place_of_taken_;
 };
 
 }  // namespace loopline::cloud_map

@@ -30,8 +30,8 @@ struct Candidate {
     std::uint8_t seen = 0, through = 0;    ///< views that say so
 };
 
-/// 8 x 8 x 8 voxels: two bits for each, a byte for each that has given its point, and the candidates; both in
-/// the order of their places.
+/// 8 x 8 x 8 voxels: two bits for each, the candidates, and where later views doubt a point that a voxel has
+/// given, a byte for each of those; both in the order of their places.
 class Block {
  public:
     static constexpr int edge = 8, voxels = edge * edge * edge;
@@ -46,32 +46,48 @@ class Block {
         return ((given_[place / 64] | held_[place / 64]) >> (place % 64) & 1) != 0;
     }
     void hold(const Candidate& candidate);
-    /// `certainty`: how many more looks through than at something make it gone.
-    void give(unsigned place, std::uint8_t certainty);
+    void give(unsigned place);
+    /// A bit for each voxel that has given its point.
+    using Bits = std::array<std::uint64_t, voxels / 64>;
+    const Bits& given() const { return given_; }
+    /// As given() was, in a block without any; nothing is in doubt.
+    void give_all(const Bits& given);
 
     const std::vector<Candidate>& candidates() const { return candidates_; }
-    std::size_t points_given() const { return certainty_.size(); }
-    /// Of the points that were given; 255 if there are none.
-    std::uint8_t least_certainty() const;
-    /// `look(place, certainty)` may change how certain a point is. At 0 its voxel is free again.
+    std::size_t points_given() const { return points_given_; }
+    /// Whether a view looked through a point that was given, and others have not outvoted it since.
+    bool is_doubted() const { return !doubts_.empty(); }
+    /// The voxels that have given their points lie in a box, from `first` to `last` along each axis; there is
+    /// one at least.
+    struct Box {
+        std::array<int, 3> first, last;
+    };
+    Box box_of_given() const;
+    /// `look(place, doubt)` may change how many more views have looked through a point than saw something
+    /// there, and says whether it stays; if not, its voxel is free again.
     template <class Look>
     void look_again(const Look& look) {
+        doubts_.resize(points_given_, 0);
         std::size_t k = 0, kept = 0;
+        bool is_doubted = false;
         for (std::size_t w = 0; w < given_.size(); ++w)
             for (std::uint64_t left = given_[w]; left != 0; left &= left - 1, ++k) {
                 const auto place = static_cast<unsigned>(64 * w) + lowest(left);
-                look(place, certainty_[k]);
-                if (certainty_[k] == 0)
+                if (!look(place, doubts_[k])) {
                     given_[w] &= ~bit(place);
-                else
-                    certainty_[kept++] = certainty_[k];
+                    continue;
+                }
+                is_doubted |= doubts_[k] > 0;
+                doubts_[kept++] = doubts_[k];
             }
-        certainty_.resize(kept);
+        points_given_ = static_cast<std::uint16_t>(kept);
+        doubts_.resize(kept);
+        if (!is_doubted) std::vector<std::uint8_t>().swap(doubts_);
     }
-    /// `judge(candidate)` may change its counts and says what becomes of each; `certainty` of those given.
+    /// `judge(candidate)` may change its counts and says what becomes of each.
     enum class Fate { stays, given, dropped };
     template <class Judge>
-    void judge(std::uint8_t certainty, const Judge& judge) {
+    void judge(const Judge& judge) {
         std::size_t kept = 0;
         for (Candidate& candidate : candidates_) {
             const Fate fate = judge(candidate);
@@ -80,7 +96,7 @@ class Block {
                 continue;
             }
             held_[candidate.place / 64] &= ~bit(candidate.place);
-            if (fate == Fate::given) give(candidate.place, certainty);
+            if (fate == Fate::given) give(candidate.place);
         }
         candidates_.resize(kept);
         if (kept == 0) std::vector<Candidate>().swap(candidates_);
@@ -89,14 +105,15 @@ class Block {
  private:
     template <class Archive>
     friend void fields(Archive&, Block&);
-    using Bits = std::array<std::uint64_t, voxels / 64>;
     static std::uint64_t bit(unsigned place) { return std::uint64_t{1} << (place % 64); }
     static unsigned lowest(std::uint64_t bits) { return static_cast<unsigned>(__builtin_ctzll(bits)); }
+    static unsigned highest(std::uint64_t bits) { return 63 - static_cast<unsigned>(__builtin_clzll(bits)); }
     /// How many bits of lower places are set.
     static int before(const Bits& bits, unsigned place);
 
     Bits given_{}, held_{};
-    std::vector<std::uint8_t> certainty_;
+    std::uint16_t points_given_ = 0;
+    std::vector<std::uint8_t> doubts_;  ///< empty: there is none
     std::vector<Candidate> candidates_;
 };
 

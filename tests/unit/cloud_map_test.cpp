@@ -347,6 +347,76 @@ TEST(CloudMapTiles, hold_as_many_points_as_a_list_of_them_would_whatever_is_give
     EXPECT_GT(alive.size(), 100u);
 }
 
+TEST(CloudMapTiles, come_back_with_the_voxels_that_were_taken_when_they_were_put_away_last) {
+    std::mt19937_64 random(12);
+    std::uniform_int_distribution<unsigned> place(0, Block::voxels - 1);
+    std::uniform_int_distribution<int> block(-3, 3), many(0, 40);
+    TileStore store(0.1);
+    std::map<CubeIndex, std::set<unsigned>> taken[2];  // of two tiles
+    Tile tiles[2];
+    for (int round = 0; round < 20; ++round)
+        for (const int t : {0, 1}) {
+            Tile& tile = tiles[t];
+            const CubeIndex index{block(random), block(random), block(random)};
+            for (int k = many(random); k > 0; --k) {
+                const unsigned voxel = place(random);
+                tile.block(index).give(voxel);
+                taken[t][index].insert(voxel);
+            }
+            // One of them is gone.
+            tile.block(index).look_again(
+                [&](unsigned voxel, std::uint8_t&) { return voxel != *taken[t][index].begin(); });
+            if (!taken[t][index].empty()) taken[t][index].erase(taken[t][index].begin());
+            store.put_away({t, 0}, tile);
+            tile = {};
+            store.bring_back({t, 0}, tile);
+            for (const auto& [where, voxels] : taken[t]) {
+                Block& there = tile.block(where);
+                EXPECT_EQ(there.points_given(), voxels.size());
+                for (unsigned voxel = 0; voxel < Block::voxels; ++voxel)
+                    ASSERT_EQ(there.is_taken(voxel), voxels.count(voxel) == 1);
+            }
+        }
+}
+
+TEST(CloudMapTiles, know_the_box_about_the_points_of_a_block_and_which_are_in_doubt) {
+    std::mt19937_64 random(13);
+    std::uniform_int_distribution<unsigned> place(0, Block::voxels - 1);
+    std::uniform_int_distribution<int> many(1, 30), chance(0, 4);
+    for (int round = 0; round < 200; ++round) {
+        Block block;
+        std::map<unsigned, int> doubt;  // of each place
+        for (int k = many(random); k > 0; --k) doubt[place(random)] = 0;
+        for (const auto& [voxel, zero] : doubt) block.give(voxel);
+        for (int look = 0; look < 6 && !doubt.empty(); ++look) {
+            std::array<int, 3> first{7, 7, 7}, last{0, 0, 0};
+            for (const auto& [voxel, of_it] : doubt)
+                for (unsigned axis = 0; axis < 3; ++axis) {
+                    const int at = static_cast<int>(voxel >> (6 - 3 * axis) & 7);
+                    first[axis] = std::min(first[axis], at);
+                    last[axis] = std::max(last[axis], at);
+                }
+            EXPECT_EQ(block.box_of_given().first, first);
+            EXPECT_EQ(block.box_of_given().last, last);
+            std::map<unsigned, int> next;
+            block.look_again([&](unsigned voxel, std::uint8_t& of_it) {
+                EXPECT_EQ(of_it, doubt.at(voxel));
+                if (chance(random) == 0) ++of_it;
+                if (of_it < 2) next[voxel] = of_it;
+                return of_it < 2;
+            });
+            const unsigned fresh = place(random);
+            block.give(fresh);
+            next.try_emplace(fresh, 0);
+            doubt = next;
+            bool any = false;
+            for (const auto& [voxel, of_it] : doubt) any |= of_it > 0;
+            EXPECT_EQ(block.is_doubted(), any);
+            EXPECT_EQ(block.points_given(), doubt.size());
+        }
+    }
+}
+
 namespace {
 
 /// A street between two rows of houses, round a square of 150 m, seen every 2 m.
