@@ -16,6 +16,33 @@ constexpr double tentative_sigma_m = 0.1;  // of the way between two sightings o
 constexpr std::int64_t tentative_scans = 10;  // without another sighting of it
 constexpr double clearly_likelier = 6;  // in squares: a second landmark that fits worse by so much is none
 
+struct Pair {
+    std::size_t sighting = 0, landmark = 0;
+};
+
+struct Likeliest {
+    Pair pair;
+    double square = std::numeric_limits<double>::infinity();         ///< of its innovation
+    double second_square = std::numeric_limits<double>::infinity();  ///< of the same sighting's next landmark
+};
+
+/// Of pairs in the order of sightings.
+Likeliest likeliest(const LandmarkFilter& filter, const std::vector<Sighting>& sightings,
+                    const std::vector<Pair>& pairs) {
+    Likeliest best, of_sighting;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        if (k == 0 || pairs[k].sighting != pairs[k - 1].sighting) of_sighting = {};
+        const double square = filter.innovation(pairs[k].landmark, sightings[pairs[k].sighting]).square();
+        if (square < of_sighting.square)
+            of_sighting = {pairs[k], square, of_sighting.square};
+        else
+            of_sighting.second_square = std::min(of_sighting.second_square, square);
+        const bool is_last = k + 1 == pairs.size() || pairs[k + 1].sighting != pairs[k].sighting;
+        if (is_last && of_sighting.square < best.square) best = of_sighting;
+    }
+    return best;
+}
+
 }  // namespace
 
 void LandmarkOdometry::take(const Twist2& told, const std::vector<Sighting>& sightings) {
@@ -31,49 +58,30 @@ void LandmarkOdometry::take(const Twist2& told, const std::vector<Sighting>& sig
 
 /// The likeliest pair first; it makes the pose better by which the others are judged.
 std::vector<LandmarkOdometry::Fate> LandmarkOdometry::match(const std::vector<Sighting>& sightings) {
-    struct Pair {
-        std::size_t sighting, landmark;
-    };
-    const double gate = least_squares::chi_square_quantile(2, settings_.gate), wide = 4 * gate;
+    const double gate = least_squares::chi_square_quantile(2, settings_.gate);
+    constexpr double in_question = 4;  // times the gate: an update may yet draw it in
     std::vector<Pair> pairs;
     for (std::size_t s = 0; s < sightings.size(); ++s)
         for (std::size_t m = 0; m < filter_.landmarks(); ++m)
-            if (filter_.innovation(m, sightings[s]).square() < wide) pairs.push_back({s, m});
+            if (filter_.innovation(m, sightings[s]).square() < in_question * gate) pairs.push_back({s, m});
 
     std::vector<Fate> fates(sightings.size(), Fate::open);
+    const auto leave_out = [&pairs](const auto& is_out) {
+        pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_out), pairs.end());
+    };
     while (!pairs.empty()) {
-        // Of each sighting the best two.
-        std::vector<double> best(sightings.size(), std::numeric_limits<double>::infinity()), second = best;
-        std::vector<std::size_t> landmark(sightings.size(), 0);
-        for (const Pair& pair : pairs) {
-            const double square = filter_.innovation(pair.landmark, sightings[pair.sighting]).square();
-            if (square < best[pair.sighting]) {
-                second[pair.sighting] = best[pair.sighting];
-                best[pair.sighting] = square;
-                landmark[pair.sighting] = pair.landmark;
-            } else if (square < second[pair.sighting]) {
-                second[pair.sighting] = square;
-            }
-        }
-        const auto s = static_cast<std::size_t>(std::min_element(best.begin(), best.end()) - best.begin());
-        if (best[s] > gate) break;
-        const std::size_t m = landmark[s];
-        if (second[s] < best[s] + clearly_likelier) {
-            fates[s] = Fate::ambiguous;
-            ++counts_.ambiguous;
-            pairs.erase(
-                std::remove_if(pairs.begin(), pairs.end(), [&](const Pair& p) { return p.sighting == s; }),
-                pairs.end());
-            continue;
-        }
+        const Likeliest best = likeliest(filter_, sightings, pairs);
+        const auto [s, m] = best.pair;
+        if (best.square > gate) break;
+        const bool is_clear = best.second_square > best.square + clearly_likelier;
+        fates[s] = is_clear ? Fate::matched : Fate::ambiguous;
+        ++(is_clear ? counts_.matched : counts_.ambiguous);
+        leave_out([&, of = s](const Pair& pair) { return pair.sighting == of; });
+        if (!is_clear) continue;
         filter_.update(m, filter_.innovation(m, sightings[s]));
         seen_[m].way_m = way_m_;
-        fates[s] = Fate::matched;
-        ++counts_.matched;
-        counts_.sum_of_squares += best[s];
-        pairs.erase(std::remove_if(pairs.begin(), pairs.end(),
-                                   [&](const Pair& p) { return p.sighting == s || p.landmark == m; }),
-                    pairs.end());
+        counts_.sum_of_squares += best.square;
+        leave_out([&, of = m](const Pair& pair) { return pair.landmark == of; });
     }
     return fates;
 }
