@@ -1,7 +1,8 @@
 /// What does a sweep of a spinning lidar cost, and how far does the path drift, beside the registrations of
 /// PCL on the same sweeps in the same run: GICP and ICP from sweep to sweep, and NDT against a growing map,
-/// as NDT mapping does it. One thread. Arguments: a log and the TUM file of its truth (or -), and how many
-/// sweeps are taken (0: all).
+/// as NDT mapping does it; how far from one another are the paths. One thread. Arguments: a log and the TUM
+/// file of its truth (or -), how many sweeps are taken (0: all), and "instant" if none is to be undistorted,
+/// as the peers' never are.
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservation.h>
 #include <mrpt/serialization/CArchive.h>
@@ -10,6 +11,8 @@
 #include <pcl/registration/icp.h>
 #include <pcl/registration/ndt.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -34,9 +37,11 @@ double cpu_s() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-std::vector<lidar::SpinningScan> sweeps_of(const std::string& log, std::size_t most) {
+std::vector<lidar::SpinningScan> sweeps_of(const std::string& log, std::size_t most, bool instant) {
     std::vector<lidar::SpinningScan> sweeps;
-    lidar::SpinningScanReader reader{lidar::SweepConvention()};
+    lidar::SweepConvention convention;
+    if (instant) convention.sweep_s = 0;
+    lidar::SpinningScanReader reader{convention};
     mrpt::io::CFileGZInputStream file(log);
     auto archive = mrpt::serialization::archiveFrom(file);
     lidar::SpinningScan scan;
@@ -169,14 +174,27 @@ double drift_percent(const std::vector<lidar::SpinningScan>& sweeps, const Path&
     return count > 0 ? 100 * sum / count : NAN;
 }
 
+/// Rms of the distance of two paths, one laid on the other.
+double apart_m(const Path& a, const Path& b) {
+    Eigen::Matrix3Xd p(3, a.size()), q(3, a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        p.col(static_cast<Eigen::Index>(i)) = a[i].topRightCorner<3, 1>().cast<double>();
+        q.col(static_cast<Eigen::Index>(i)) = b[i].topRightCorner<3, 1>().cast<double>();
+    }
+    const Eigen::Matrix4d T = Eigen::umeyama(p, q, false);
+    const Eigen::Matrix3Xd off = (T.topLeftCorner<3, 3>() * p).colwise() + T.topRightCorner<3, 1>().eval();
+    return std::sqrt((off - q).squaredNorm() / static_cast<double>(a.size()));
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
     if (count < 3) {
-        std::fprintf(stderr, "lidar_mapping_peers LOG TRUTH.tum|- [SWEEPS]\n");
+        std::fprintf(stderr, "lidar_mapping_peers LOG TRUTH.tum|- [SWEEPS [instant]]\n");
         return 2;
     }
-    const auto sweeps = sweeps_of(arguments[1], count > 3 ? std::strtoul(arguments[3], nullptr, 10) : 0);
+    const auto sweeps = sweeps_of(arguments[1], count > 3 ? std::strtoul(arguments[3], nullptr, 10) : 0,
+                                  count > 4 && std::string(arguments[4]) == "instant");
     const std::string truth = arguments[2];
     pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> gicp;
     gicp.setMaxCorrespondenceDistance(2);
@@ -192,13 +210,17 @@ int main(int count, char** arguments) {
                    {"PCL ICP, sweep to sweep", [&] { return from_sweep_to_sweep(sweeps, icp); }},
                    {"PCL NDT, map", [&] { return by_ndt_mapping(sweeps); }}};
     double first_ms = 0;
-    std::printf("%zu sweeps\n%-26s %10s %8s %10s\n", sweeps.size(), "", "ms", "ratio", "drift");
+    std::vector<Path> paths;
+    std::printf("%zu sweeps\n%-26s %10s %8s  %s\n", sweeps.size(), "", "ms", "ratio",
+                "from those above, m; drift");
     for (const auto& method : methods) {
         const double start = cpu_s();
-        const Path path = method.run();
+        paths.push_back(method.run());
+        const Path& path = paths.back();
         const double ms = 1e3 * (cpu_s() - start) / static_cast<double>(sweeps.size());
         if (first_ms == 0) first_ms = ms;
         std::printf("%-26s %10.1f %8.1f", method.name, ms, ms / first_ms);
+        for (std::size_t k = 0; k + 1 < paths.size(); ++k) std::printf(" %9.3f", apart_m(path, paths[k]));
         if (truth != "-") std::printf(" %9.2f%%", drift_percent(sweeps, path, truth));
         std::printf("\n");
         std::fflush(stdout);
