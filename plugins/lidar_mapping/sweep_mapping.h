@@ -30,8 +30,8 @@ class SweepMapping {
     /// `given`: the motion since the latest sweep by another odometry, if there is one.
     const Registration& add(const lidar::SpinningScan& scan, const GivenMotion* given = nullptr);
     const Registration& latest() const { return last_; }
-    /// Where the vehicle is `duration_s` after the latest sweep, by another odometry, which also tells how fast
-    /// it was in the very first one.
+    /// Where the vehicle is `duration_s` after the latest sweep, by another odometry, which also tells how
+    /// fast it was in the very first one.
     MotionState carried(const GivenMotion& given, double duration_s) const;
     /// Of the latest sweep; none before the first.
     std::optional<StampNs> latest_middle_ns() const {

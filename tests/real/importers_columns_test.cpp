@@ -132,7 +132,9 @@ TEST(ColumnMaps, husky_has_its_imu_upright_by_the_map_and_else_it_is_said_how_to
 TEST(ColumnMaps, victoria_park_has_wheels_and_fixes_in_metres) {
     NEEDS_SHARED_DATA("victoria_park/gps.csv");
     const ImportedLog log("victoria_park", "victoria_park");
-    EXPECT_NE(log.said.find("61945 of wheels, 4466 of gnss, 7230 of trunks, over 1549.6 s"), std::string::npos) << log.said;
+    EXPECT_NE(log.said.find("61945 of wheels, 4466 of gnss, 7230 of trunks, over 1549.6 s"),
+              std::string::npos)
+        << log.said;
     LogSource source({log.path()});
     double way_m = 0;
     std::optional<Pose2> last;

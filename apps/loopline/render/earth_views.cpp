@@ -79,7 +79,8 @@ void draw_ground(Figure& figure, const MapWindow& window, const SceneContent& ma
                        px_per_m * static_cast<float>(window.top_m()), 0};
         splat_cloud(pixels, *map.cloud, view, height_colours(*map.cloud), 3);
     } else {
-        draw_points(figure.canvas(), window, map.points_m, {}, point_size_px(map.points_m.size(), figure.body_px()));
+        draw_points(figure.canvas(), window, map.points_m, {},
+                    point_size_px(map.points_m.size(), figure.body_px()));
     }
     whiten(figure.canvas().drawn_pixels(window.box));
 }
