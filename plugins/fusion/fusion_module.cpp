@@ -200,6 +200,7 @@ void FusionModule::publish(const Moment& now, const Pose3& T_odom_base, Publishe
 
 void FusionModule::finish(Results& results) {
     if (online_.empty()) {
+        if (results.refused) return;  // the module that should have published them says why it did not
         results.refused =
             "no pose with the label " + (motion_label_.empty() ? told_wheels_label_ : motion_label_) +
             " came, which module fusion is for; put the module that publishes it in [run] modules, or name "

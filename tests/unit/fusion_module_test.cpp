@@ -62,4 +62,16 @@ TEST(FusionModule, settings_that_do_not_go_together_are_refused) {
     EXPECT_NE(complaint({{"withhold_s", "30"}, {"filter", "paper"}}), "");
 }
 
+TEST(FusionModule, leaves_the_reason_to_the_module_that_had_nothing_to_publish) {
+    FusionModule module;
+    module.start({});
+    Results alone, with_reason;
+    with_reason.refused = "there are no landmarks";
+    module.finish(alone);
+    module.finish(with_reason);
+    ASSERT_TRUE(alone.refused);
+    EXPECT_NE(alone.refused->find("no pose with the label lidar_mapping came"), std::string::npos);
+    EXPECT_EQ(with_reason.refused, "there are no landmarks");
+}
+
 }  // namespace
