@@ -19,6 +19,13 @@ struct PoseWithCovariance {
     Pose3 T_map_base;
     Matrix6d covariance = Matrix6d::Zero();  ///< as above
 };
+
+/// For a checkpoint.
+template <class Archive>
+void fields(Archive& archive, PoseWithCovariance& pose) {
+    archive(pose.T_map_base, pose.covariance);
+}
+
 PoseWithCovariance pose_of(const mrpt::obs::CObservationRobotPose& observation);
 
 /// What covariance the way between two poses adds, of (shift, turn) along the vehicle's axes at the first,

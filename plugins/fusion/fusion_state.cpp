@@ -5,11 +5,6 @@
 namespace loopline {
 
 template <class Archive>
-void fields(Archive& archive, PoseWithCovariance& pose) {
-    archive(pose.T_map_base, pose.covariance);
-}
-
-template <class Archive>
 void fields(Archive& archive, Twist2& twist) {
     archive(twist.forward_m, twist.left_m, twist.turn_rad);
 }

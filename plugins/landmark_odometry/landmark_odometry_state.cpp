@@ -4,11 +4,6 @@
 
 namespace loopline {
 
-template <class Archive>
-void fields(Archive& archive, PoseWithCovariance& pose) {
-    archive(pose.T_map_base, pose.covariance);
-}
-
 namespace landmark_odometry {
 
 template <class Archive>
