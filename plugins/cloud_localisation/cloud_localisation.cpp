@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cloud_localisation/sweep_from_above.h"
+#include "inertial/pose_error.h"
 
 namespace loopline::cloud_localisation {
 namespace {
@@ -14,8 +15,10 @@ using namespace lidar_mapping;
 
 /// What a jerk, or a gap in the log, may be more than the motion's noise.
 constexpr double jerk_factor = 10;
-/// A map of its own errs by so much of the way.
-constexpr double guess_per_way = 0.02, guess_rad_per_m = 0.1 * M_PI / 180;
+/// A map of its own errs by what it claims, and by so much of the way.
+constexpr double error_per_way = 0.01, error_rad_per_m = 0.01 * M_PI / 180;
+/// Two looks differ by no more.
+constexpr double agree_per_way = 0.02;
 constexpr std::size_t most_sightings = 20, most_fixes = 100;
 /// The place counts as contradicted by fixes that are farther from the path than this, so many in a row.
 constexpr double off_sigmas = 5;
@@ -65,14 +68,17 @@ LocalisedSweep CloudLocalisation::add(const lidar::SpinningScan& scan, const Giv
     const double duration_s = latest_ns_ ? std::max(0.0, seconds_between(*latest_ns_, middle_ns)) : 0;
     ++counts_.sweeps;
     LocalisedSweep result;
+    std::optional<PoseWithCovariance> lost_at;
     if (!is_searching() && !follow(given, duration_s, middle_ns)) {
-        ++counts_.lost;
-        begin_search(guess_by_motion(middle_s));
+        put(state_, middle_s, result);
+        lost_at = {result.T_map_base, result.covariance};
+        lose(middle_s);
     }
     if (is_searching())
         result = search(scan, given, middle_ns);
     else
         put(state_, middle_s, result);
+    result.lost_at = lost_at;
     latest_ns_ = middle_ns;
     return result;
 }
@@ -165,6 +171,15 @@ Matrix6d CloudLocalisation::covariance_of_map(const Eigen::Vector3d& p_map_m) co
 
 // ---- where it is searched for ----
 
+/// How fast the vehicle is, is still known.
+void CloudLocalisation::lose(double middle_s) {
+    ++counts_.lost;
+    begin_search(guess_by_motion(middle_s));
+    const Matrix6d to_base = inertial::turned_both(state_.T_map_base.rotation.conjugate());
+    local_->begin_at_speed(state_.velocity,
+                           to_base * state_.covariance.bottomRightCorner<6, 6>() * to_base.transpose());
+}
+
 /// The vehicle's own frame at the stamp of the sweep at hand is that of the search's map.
 CloudLocalisation::Guess CloudLocalisation::guess_by_motion(double middle_s) const {
     const MotionState at_stamp = predict(state_, -middle_s, MotionNoise{0, 0, 0, 0});
@@ -240,7 +255,7 @@ bool CloudLocalisation::agrees(const Sighting& now) const {
                     by_motion = earlier.T_local_base.inverse() * now.T_local_base,
                     off = by_motion.inverse() * by_map;
         return off.translation_m.norm() <
-                   settings_.agree_m + guess_per_way * by_motion.translation_m.norm() &&
+                   settings_.agree_m + agree_per_way * by_motion.translation_m.norm() &&
                off.rotation.angularDistance(Eigen::Quaterniond::Identity()) < settings_.agree_rad;
     });
 }
@@ -248,14 +263,17 @@ bool CloudLocalisation::agrees(const Sighting& now) const {
 std::optional<StartRegion> CloudLocalisation::region_by_guess(const OnTheWay& now) const {
     if (!guess_) return std::nullopt;
     const Pose3 T_map_base = guess_->T_map_local * now.T_frame_base;
+    const Matrix6d& of_motion = local_->covariance();
     const double turned_m = guess_->sigma_yaw_rad * now.T_frame_base.translation_m.norm(),
-                 grown_m = guess_per_way * local_way_m_;
+                 grown_m = error_per_way * local_way_m_,
+                 moved_m = std::sqrt(std::max(of_motion(0, 0), of_motion(1, 1)));
     StartRegion region;
     region.p_map_m = T_map_base.translation_m;
-    region.sigma_m = std::hypot(guess_->sigma_m, turned_m, grown_m);
-    region.sigma_z_m = std::hypot(guess_->sigma_z_m, grown_m);
+    region.sigma_m = std::hypot(guess_->sigma_m, turned_m, std::hypot(grown_m, moved_m));
+    region.sigma_z_m = std::hypot(guess_->sigma_z_m, grown_m, std::sqrt(of_motion(2, 2)));
     region.yaw_rad = T_map_base.yaw_rad();
-    region.sigma_yaw_rad = std::hypot(guess_->sigma_yaw_rad, guess_rad_per_m * local_way_m_);
+    region.sigma_yaw_rad =
+        std::hypot(guess_->sigma_yaw_rad, error_rad_per_m * local_way_m_, std::sqrt(of_motion(5, 5)));
     return region;
 }
 

@@ -43,6 +43,12 @@ struct FixInMap {
     Eigen::Vector3d p_base_antenna_m = Eigen::Vector3d::Zero();
 };
 
+/// Covariance of (shift, turn) along the map's axes, about the vehicle.
+struct PoseWithCovariance {
+    Pose3 T_map_base;
+    Matrix6d covariance = Matrix6d::Zero();
+};
+
 /// Where the vehicle was at a sweep's stamp.
 struct LocalisedSweep {
     bool known = false;  ///< else the pose is a guess, or of the frame of the search's own map
@@ -51,6 +57,8 @@ struct LocalisedSweep {
     Pose3 T_local_base;                      ///< while it is searched for: in that frame
     Matrix6d local_covariance = Matrix6d::Zero();  ///< of it
     bool begins_search = false;                    ///< the first sweep of a search
+    /// With that: where it was lost, the pose at the stamp as the motion goes on.
+    std::optional<PoseWithCovariance> lost_at;
     std::optional<Pose3>
         T_map_local;  ///< the place was found: of that frame, from the first of its sweeps on
 };
@@ -103,6 +111,7 @@ class CloudLocalisation {
     double fit_of(const lidar_mapping::Registration& found) const;
     bool is_certain() const;
     void begin_search(const std::optional<Guess>& guess);
+    void lose(double middle_s);
     Guess guess_by_motion(double middle_s) const;
     bool look_is_due(StampNs middle_ns) const;
     bool look(const OnTheWay& now);

@@ -41,10 +41,16 @@ void fields(Archive& archive, CloudLocalisation& l) {
 }
 
 template <class Archive>
+void fields(Archive& archive, PoseWithCovariance& pose) {
+    archive(pose.T_map_base, pose.covariance);
+}
+
+template <class Archive>
 void fields(Archive& archive, LocalisedPath& path) {
     archive(path.sweeps_, path.known_from_);
-    archive.each(path.lost_,
-                 [](auto& a, auto& s) { a(s.first_sweep, s.end_sweep, s.first_ns, s.end_ns, s.found); });
+    archive.each(path.lost_, [](auto& a, auto& s) {
+        a(s.first_sweep, s.end_sweep, s.first_ns, s.end_ns, s.found, s.lost_at);
+    });
 }
 
 }  // namespace cloud_localisation
@@ -55,11 +61,11 @@ void fields(Archive& archive, CloudLocalisationModule& m) {
 }
 
 void CloudLocalisationModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 3, *this);
+    write_state(out, info().name, 4, *this);
 }
 
 void CloudLocalisationModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 3, *this);
+    read_state(in, info().name, 4, *this);
 }
 
 }  // namespace loopline

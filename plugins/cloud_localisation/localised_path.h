@@ -1,5 +1,5 @@
 /// The path of all sweeps in the finished map. Where the place was found after some sweeps only, theirs are
-/// laid out backwards from there.
+/// laid out backwards from there; where it had been known before, from both ends.
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@ struct LostStretch {
     std::size_t first_sweep = 0, end_sweep = 0;  ///< without the last one
     StampNs first_ns = 0, end_ns = 0;            ///< the latter of the sweep that found it, or of its last
     bool found = false;                          ///< at its end
+    std::optional<PoseWithCovariance> lost_at;   ///< its first pose, as the motion went on
 };
 
 class LocalisedPath {
@@ -46,6 +47,7 @@ class LocalisedPath {
         std::uint64_t has_place = 0;
     };
     void lay_out_backwards(const LocalisedSweep& found);
+    std::optional<PoseWithCovariance> from_where_it_was_lost(const Sweep& record) const;
 
     SetAside<Sweep> sweeps_;
     std::optional<std::size_t> known_from_;

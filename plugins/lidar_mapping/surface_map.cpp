@@ -38,6 +38,22 @@ std::uint64_t part_of(const Eigen::Vector3f& u) {
     return std::uint64_t{1} << ((part(u.x()) * parts + part(u.y())) * parts + part(u.z()));
 }
 
+/// The part that a return lies in, and those of the cube into which noise may have put it instead.
+/// `variance`: along each axis, in parts of the edge, squared.
+std::uint64_t parts_about(const Eigen::Vector3f& u, const Eigen::Vector3f& variance) {
+    constexpr float sigmas = 2, most = 0.4F / parts;
+    std::uint64_t about = part_of(u);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const float margin = std::min(most, sigmas * std::sqrt(variance[axis]));
+        Eigen::Vector3f beside = u;
+        for (const float v : {u[axis] - margin, u[axis] + margin}) {
+            beside[axis] = v;
+            about |= part_of(beside);
+        }
+    }
+    return about;
+}
+
 }  // namespace
 
 SurfaceMap::SurfaceMap(const SurfaceMapSettings& settings) : settings_(settings) {
@@ -105,14 +121,16 @@ void SurfaceMap::add(std::size_t which, const Eigen::Vector3d& p_map_m, const Ei
     Cell& cell = cell_at(size, pack(index));
     const Eigen::Vector3f u = place_in(p_map_m, size.per_edge, index);
     // What a lidar sees again and again from where it stands counts once: its rings would else fill the cube
-    // before it moves on, and sees what lies between them.
-    const std::uint64_t part = part_of(u);
-    if ((cell.seen & part) != 0) return;
-    cell.seen |= part;
+    // before it moves on, and sees what lies between them. In a part that a surface only touches, the few
+    // returns that noise has put there would count as much as all others in theirs, and draw the surface to
+    // it.
+    if ((cell.seen & part_of(u)) != 0) return;
+    const Eigen::Matrix3f noise = static_cast<float>(size.per_edge * size.per_edge) * noise_m2;
+    if ((cell.seen & parts_about(u, noise.diagonal())) != 0) return;
+    cell.seen |= part_of(u);
     ++cell.returns;
     // Noise spreads a single ring on the ground along its beams, or to where the vehicle seemed to be, into a
     // plane that is none: it is taken out of the squares.
-    const Eigen::Matrix3f noise = static_cast<float>(size.per_edge * size.per_edge) * noise_m2;
     for (Eigen::Index a = 0, k = 0; a < 3; ++a) {
         cell.sum[static_cast<std::size_t>(a)] += u[a];
         for (Eigen::Index b = 0; b <= a; ++b)

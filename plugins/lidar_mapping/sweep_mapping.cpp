@@ -53,7 +53,7 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan, const Giv
         begin(seconds_between(scan.stamp_ns, middle_ns));
     else if (given != nullptr && duration_s > 0)
         follow_given(duration_s, *given);
-    else if (sweeps_ > 1)
+    else if (sweeps_ > 1 || speed_is_known_)
         follow(duration_s);
     else if (!stands_)
         follow_first(duration_s);
@@ -111,10 +111,23 @@ void SweepMapping::search_wider(const MotionState& before, double duration_s) {
     if (found.support > last_.support) last_ = found;
 }
 
+void SweepMapping::begin_at_speed(const Twist3& velocity, const Matrix6d& covariance) {
+    speed_is_known_ = true;
+    stands_ = false;
+    last_.state.velocity = velocity;
+    last_.state.covariance.bottomRightCorner<6, 6>() = covariance;
+}
+
 void SweepMapping::begin(double middle_s) {
-    last_.state = standing_state();
     first_ = points_;
     first_middle_s_ = middle_s;
+    if (!speed_is_known_) {
+        last_.state = standing_state();
+        return;
+    }
+    MotionState first = moving_first(last_.state.velocity);
+    first.covariance.bottomRightCorner<6, 6>() = last_.state.covariance.bottomRightCorner<6, 6>();
+    last_.state = first;
 }
 
 /// The map's origin is where the vehicle was at the stamp of the first sweep.

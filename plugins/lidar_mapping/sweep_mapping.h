@@ -27,6 +27,9 @@ class SweepMapping {
     SweepMapping(const SweepMappingSettings& settings, int threads)
         : settings_(settings), map_(settings.map), workers_(threads) {}
 
+    /// Before the first sweep: the vehicle is known to move, and how fast in the middle of that sweep.
+    /// `covariance`: of (v, omega), vehicle's axes.
+    void begin_at_speed(const Twist3& velocity, const Matrix6d& covariance);
     /// `given`: the motion since the latest sweep by another odometry, if there is one.
     const Registration& add(const lidar::SpinningScan& scan, const GivenMotion* given = nullptr);
     const Registration& latest() const { return last_; }
@@ -73,8 +76,9 @@ class SweepMapping {
     Registration last_;
     Pose3 added_at_;  ///< of the last sweep that went to the map
     Standstill standstill_;
-    double usual_agreement_ = 0;  ///< of the latest sweeps
-    bool stands_ = true;          ///< since the first sweep
+    double usual_agreement_ = 0;   ///< of the latest sweeps
+    bool stands_ = true;           ///< since the first sweep
+    bool speed_is_known_ = false;  ///< of the first sweep
     Matrix6d covariance_ = Matrix6d::Zero();
     std::uint64_t sweeps_ = 0;
     StampNs last_ns_ = 0;

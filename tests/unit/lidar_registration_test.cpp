@@ -191,6 +191,39 @@ TEST(Registration, tells_what_a_corridor_leaves_free_and_keeps_to_the_motion_the
     EXPECT_LT(found.state.covariance(1, 1), 0.01 * 0.01);
 }
 
+/// Each sweep sees a little otherwise which way the corridor goes, and knows its walls to a millimetre: a
+/// hundred of them must not tell how far it is along it.
+TEST(Registration, a_hundred_sweeps_along_a_corridor_tell_nothing_of_the_way) {
+    std::mt19937_64 random(10);
+    const SurfaceMap map = map_of(corridor(60), 0.01, random);
+    const MotionNoise noise;
+    MotionState truth;
+    truth.T_map_base.translation_m = {-30, 0.3, 1};
+    truth.velocity.shift_m = {5, 0, 0};
+    Vector12d off = Vector12d::Zero();
+    off[0] = 0.1;
+    MotionState state = state_near(truth, off, 0.1, 0.01), alone = state;
+    WorkerPool workers(1);
+    int free = 0;
+    for (int sweep = 0; sweep < 100; ++sweep) {
+        truth = predict(truth, 0.1, noise);
+        alone = predict(alone, 0.1, noise);
+        auto around = corridor(20);
+        for (Panel& panel : around) panel.corner_m.x() += truth.T_map_base.translation_m.x();
+        const Registration found = register_sweep(map, sweep_of(around, truth, 1000, random),
+                                                  predict(state, 0.1, noise), {}, workers);
+        state = found.state;
+        free += found.degeneracy.free_directions;
+        const Vector12d left = difference(state, truth);
+        ASSERT_LT(left.segment<2>(1).norm(), 0.02) << sweep;
+        ASSERT_LT(std::abs(left[0] - difference(alone, truth)[0]), 0.02) << sweep;
+    }
+    EXPECT_EQ(free, 100);
+    EXPECT_GT(state.covariance(0, 0), 0.9 * alone.covariance(0, 0));
+    EXPECT_GT(state.covariance(6, 6), 0.9 * alone.covariance(6, 6));
+    EXPECT_LT(state.covariance(1, 1), 0.01 * 0.01);
+}
+
 /// Ground with hills of a few centimetres, a map of small pieces whose normals are as uncertain as the hills
 /// are steep, and nothing else: the estimate must be about as good as it claims to be, and not be drawn to
 /// where the prediction put it.

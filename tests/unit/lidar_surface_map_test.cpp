@@ -104,6 +104,42 @@ TEST(SurfaceMap, noise_of_ranges_makes_no_plane_of_a_ring) {
     EXPECT_GT(without, 20);
 }
 
+/// A floor that lies 2.5 cm below a face of the cube's parts: noise puts one return in ten across it, and the
+/// parts there must not count as much as those that hold the floor.
+TEST(SurfaceMap, noise_across_a_face_of_parts_does_not_draw_a_surface_to_it) {
+    std::mt19937_64 random(14);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> across(0, 0.5);
+    constexpr double sigma_m = 0.02, floor_m = 0.1;
+    const Eigen::Matrix3f told =
+        Eigen::Vector3f(0, 0, static_cast<float>(sigma_m * sigma_m)).asDiagonal().toDenseMatrix();
+    SurfaceMapSettings settings;
+    settings.sizes = 1;
+    double off_m = 0, off_if_untold_m = 0;
+    int planes = 0, planes_if_untold = 0;
+    for (int run = 0; run < 100; ++run) {
+        SurfaceMap map(settings), untold(settings);
+        for (int k = 0; k < 1000; ++k) {
+            const Eigen::Vector3d p(across(random), across(random), floor_m + sigma_m * normal(random));
+            map.add(0, p, told);
+            untold.add(0, p, no_noise);
+        }
+        const auto measure = [&](const SurfaceMap& of, double& sum_m, int& count) {
+            const SurfaceMatch match = of.find(from_above({0.25, 0.25, floor_m}));
+            if (match.kind != SurfaceKind::plane) return;
+            EXPECT_GT(std::abs(match.direction_map.z()), 0.98F);
+            sum_m -= static_cast<double>(match.offset_m.z());
+            ++count;
+        };
+        measure(map, off_m, planes);
+        measure(untold, off_if_untold_m, planes_if_untold);
+    }
+    EXPECT_GT(planes, 50);
+    EXPECT_GT(planes_if_untold, 50);
+    EXPECT_LT(std::abs(off_m / planes), 0.004);
+    EXPECT_GT(std::abs(off_if_untold_m / planes_if_untold), 0.01);
+}
+
 /// A map that leans, of walls, a floor and a roof; a car beside it leans otherwise.
 TEST(UprightWalls, tell_which_way_is_up) {
     std::mt19937_64 random(21);

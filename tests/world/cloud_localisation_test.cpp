@@ -1,5 +1,6 @@
 /// Drives through a yard whose cloud is finished: the start by a fix, errors and what is claimed of them,
 /// lost and found again, and fixes that contradict.
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "cloud_localisation/localised_path.h"
@@ -150,6 +151,58 @@ TEST(CloudLocalisation, says_that_it_is_lost_and_finds_itself_again) {
     EXPECT_EQ(localisation.counts().starts, 2);
     ASSERT_EQ(path.lost().size(), 2U) << "the start, and once";
     EXPECT_TRUE(path.lost()[1].found);
+}
+
+/// In the middle of a tunnel nothing that a lidar sees tells how far it has come: the place must get lost
+/// there, but not how fast the vehicle is; and the way through must be as uncertain as it claims.
+TEST(CloudLocalisation, gives_up_in_a_tunnel_and_knows_how_fast_it_went_through) {
+    std::vector<Rectangle> tunnel{{{-60, -25, 0}, {250, 0, 0}, {0, 50, 0}},
+                                  {{0, -4, 0}, {110, 0, 0}, {0, 0, 4}},
+                                  {{0, 4, 0}, {110, 0, 0}, {0, 0, 4}}};
+    // Houses before and behind it.
+    std::mt19937_64 random(6);
+    std::uniform_real_distribution<double> side_m(2, 7);
+    for (const double begin_m : {-52.0, 114.0})
+        for (double x_m = begin_m; x_m < begin_m + 45; x_m += 9)
+            for (const double y_m : {-14.0, 8.0}) {
+                const double length_m = side_m(random), width_m = side_m(random), back_m = side_m(random);
+                add_box(tunnel, x_m, y_m + (y_m > 0 ? back_m : -back_m), length_m, width_m, 5);
+            }
+    tunnel = in_map(tunnel);
+    const FrozenCloud map = cloud_of(tunnel);
+    const Twist3 velocity{{8, 0, 0}, {0, 0, 0}};
+    const auto at = [&](int sweep) {
+        return level_pose(-20, 0.4, 0) * exp_se3(velocity * (sweep * sweep_s));
+    };
+    LocalisationSettings settings;
+    settings.T_map_start = at(0);
+    settings.sweeps.sampling.max_range_m = 40;
+    CloudLocalisation localisation(settings, map, 1);
+    LocalisedPath path;
+    constexpr int inside = 90, sweeps = 165;
+    for (int k = 0; k < sweeps; ++k) {
+        if (k > 135) localisation.take_fix(fix_of(at(k), stamp_of(k), 0.3));
+        const auto sweep = localisation.add(sweep_at(tunnel, at(k), velocity, stamp_of(k), random));
+        path.add(static_cast<std::uint64_t>(k), stamp_of(k), sweep);
+        if (k == inside) {
+            EXPECT_FALSE(sweep.known);
+        }
+        if (sweep.known) {
+            const Eigen::Vector3d off_m = sweep.T_map_base.translation_m - at(k).translation_m;
+            EXPECT_LT(off_m.dot(sweep.covariance.topLeftCorner<3, 3>().ldlt().solve(off_m)), 30) << k;
+        }
+    }
+    EXPECT_EQ(localisation.counts().lost, 1);
+    EXPECT_EQ(localisation.counts().starts, 2) << localisation.latest_look().reason;
+    Trajectory trajectory;
+    path.lay_out(trajectory);
+    ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(sweeps));
+    const auto entry = trajectory[inside];
+    const Eigen::Vector3d off_m = entry.T_map_base.translation_m - at(inside).translation_m;
+    const Eigen::Matrix3d covariance = entry.covariance.matrix().topLeftCorner<3, 3>();
+    EXPECT_LT(off_m.norm(), 3);
+    EXPECT_LT(off_m.dot(covariance.ldlt().solve(off_m)), 16);
+    EXPECT_GT(std::sqrt(covariance(0, 0)), 0.3);
 }
 
 TEST(CloudLocalisation, is_moved_by_fixes_only_to_where_sweeps_fit_too) {
