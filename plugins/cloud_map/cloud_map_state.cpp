@@ -53,11 +53,7 @@ void fields(Archive& archive, Block& block) {
 template <class Archive>
 void fields(Archive& archive, Tile& tile) {
     archive(tile.blocks_);
-    if constexpr (Archive::reading) {
-        tile.place_of_.clear();
-        for (std::uint32_t k = 0; k < tile.blocks_.size(); ++k)
-            tile.place_of_[pack(tile.blocks_[k].index)] = k;
-    }
+    if constexpr (Archive::reading) tile.make_slots();
 }
 
 /// A map from places of tiles, which the archive does not know by itself.

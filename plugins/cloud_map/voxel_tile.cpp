@@ -7,6 +7,15 @@ namespace {
 
 constexpr std::size_t offsets_at_once = 8;  // room for so many more: twice as many would mostly stay empty
 
+constexpr std::size_t fewest_slots = 64;  // a power of two
+
+/// As MurmurHash3 (Appleby) ends, with Stafford's variant 13 of its numbers.
+std::size_t mixed(std::uint64_t key) {
+    key = (key ^ key >> 30) * 0xbf58476d1ce4e5b9U;
+    key = (key ^ key >> 27) * 0x94d049bb133111ebU;
+    return static_cast<std::size_t>(key ^ key >> 31);
+}
+
 /// Of a layer across x, the bits of the 3 x 3 voxels about one at y, z from -1 to 8.
 constexpr auto layers_about = [] {
     std::array<std::array<std::uint64_t, Block::edge + 2>, Block::edge + 2> layers{};
@@ -110,16 +119,34 @@ Block::Box Block::box_of_given() const {
     return box;
 }
 
+std::uint32_t& Tile::slot_of(const CubeIndex& index) {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t s = mixed(pack(index)) & mask;
+    while (slots_[s] != 0 && blocks_[slots_[s] - 1].index != index) s = (s + 1) & mask;
+    return slots_[s];
+}
+
+void Tile::make_slots() {
+    std::size_t count = fewest_slots;
+    while (count < 2 * blocks_.size()) count *= 2;
+    slots_.assign(count, 0);
+    for (std::uint32_t k = 0; k < blocks_.size(); ++k) slot_of(blocks_[k].index) = k + 1;
+}
+
 Block& Tile::block(const CubeIndex& index) {
-    const auto [found, is_new] =
-        place_of_.try_emplace(pack(index), static_cast<std::uint32_t>(blocks_.size()));
-    if (is_new) blocks_.emplace_back(index);
-    return blocks_[found->second];
+    if (Block* there = find(index)) return *there;
+    blocks_.emplace_back(index);
+    if (slots_.size() < 2 * blocks_.size())
+        make_slots();
+    else
+        slot_of(index) = static_cast<std::uint32_t>(blocks_.size());
+    return blocks_.back();
 }
 
 Block* Tile::find(const CubeIndex& index) {
-    const auto found = place_of_.find(pack(index));
-    return found == place_of_.end() ? nullptr : &blocks_[found->second];
+    if (slots_.empty()) return nullptr;
+    const std::uint32_t number = slot_of(index);
+    return number == 0 ? nullptr : &blocks_[number - 1];
 }
 
 }  // namespace loopline::cloud_map

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <unordered_map>
 #include <vector>
 
 namespace loopline::cloud_map {
@@ -167,15 +166,14 @@ class Tile {
  private:
     template <class Archive>
     friend void fields(Archive&, Tile&);
-    struct Mix {
-        std::size_t operator()(std::uint64_t key) const {
-            key = (key ^ key >> 30) * 0xbf58476d1ce4e5b9U;
-            key = (key ^ key >> 27) * 0x94d049bb133111ebU;
-            return static_cast<std::size_t>(key ^ key >> 31);
-        }
-    };
+    /// That of a block, or the free one where it would be noted; there are some.
+    std::uint32_t& slot_of(const CubeIndex& index);
+    /// Twice as many as blocks, or more; those that are there are noted anew.
+    void make_slots();
+
     std::deque<Block> blocks_;  ///< in the order in which they were first met
-    std::unordered_map<std::uint64_t, std::uint32_t, Mix> place_of_;
+    /// Numbers of blocks from 1 on, each in the next free slot from its hash on; 0: free.
+    std::vector<std::uint32_t> slots_;
 };
 
 }  // namespace loopline::cloud_map
