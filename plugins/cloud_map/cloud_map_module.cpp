@@ -16,13 +16,14 @@ constexpr std::size_t most_waiting = 20;  ///< sweeps: longer, no pose comes
 }
 
 ModuleInfo CloudMapModule::info() const {
-    return {"cloud_map",
-            "Puts the sweeps of a spinning lidar together to a cloud, one point a voxel, each at the pose of "
-            "its own "
-            "time, without what moved; nothing of it is computed with [outputs] maps = false.",
-            {"CObservationRobotPose"},
-            sweep_classes(),
-            {}};
+    return {
+        "cloud_map",
+        "Puts the sweeps of a spinning lidar together to a cloud of points that keep a distance from each "
+        "other, each at the pose of its own time, without what moved; nothing of it is computed with "
+        "[outputs] maps = false.",
+        {"CObservationRobotPose"},
+        sweep_classes(),
+        {}};
 }
 
 ParameterTable CloudMapModule::parameters() {

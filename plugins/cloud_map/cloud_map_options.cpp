@@ -9,7 +9,9 @@ void CloudMapOptions::declare(ParameterTable& table) {
     auto& s = settings;
     auto& r = settings.removal;
     table.list("sensors", sensors, "Labels of the lidars whose sweeps are used; empty for all.")
-        .real("voxel_m", s.voxel_m, {0.03, 10}, "One point, the first, is kept in every cube with this edge.")
+        .real("voxel_m", s.voxel_m, {0.03, 10},
+              "No two points are nearer to each other than this, nor in the same cube with this edge; the "
+              "first is kept.")
         .real("min_range_m", s.min_range_m, {0, 100}, "Nearer returns are of the vehicle itself.")
         .real("max_range_m", s.max_range_m, {1, 1000}, "Farther returns are left out.")
         .real("max_gap_s", max_gap_s, {0.001, 3600},

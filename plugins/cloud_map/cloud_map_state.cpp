@@ -43,7 +43,9 @@ void fields(Archive& archive, Block& block) {
     for (auto& x : block.index) archive(x);
     for (auto& x : block.given_) archive(x);
     for (auto& x : block.held_) archive(x);
+    for (auto& x : block.before_word_) archive(x);
     archive(block.points_given_);
+    plain(archive, block.offsets_);
     plain(archive, block.doubts_);
     plain(archive, block.candidates_);
 }
@@ -51,11 +53,7 @@ void fields(Archive& archive, Block& block) {
 template <class Archive>
 void fields(Archive& archive, Tile& tile) {
     archive(tile.blocks_);
-    if constexpr (Archive::reading) {
-        tile.place_of_.clear();
-        for (std::uint32_t k = 0; k < tile.blocks_.size(); ++k)
-            tile.place_of_[pack(tile.blocks_[k].index)] = k;
-    }
+    if constexpr (Archive::reading) tile.make_slots();
 }
 
 /// A map from places of tiles, which the archive does not know by itself.
@@ -76,12 +74,12 @@ void fields_by_tile(Archive& archive, std::map<TileStore::TileIndex, T>& map) {
 
 template <class Archive>
 void fields(Archive& archive, TileStore::Place& place) {
-    archive(place.first, place.count);
+    archive(place.first, place.count, place.first_offset);
 }
 
 template <class Archive>
 void fields(Archive& archive, TileStore& store) {
-    archive(store.cloud_, store.gone_, store.stretches_, store.taken_);
+    archive(store.cloud_, store.gone_, store.stretches_, store.taken_, store.offsets_);
     fields_by_tile(archive, store.last_stretch_);
     fields_by_tile(archive, store.place_of_taken_);
 }
@@ -114,11 +112,11 @@ void fields(Archive& archive, CloudMapModule& m) {
 }
 
 void CloudMapModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 4, *this);
+    write_state(out, info().name, 5, *this);
 }
 
 void CloudMapModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 4, *this);
+    read_state(in, info().name, 5, *this);
 }
 
 }  // namespace loopline

@@ -78,28 +78,75 @@ void CloudMapper::insert(const Eigen::Vector3d& p_map_m, std::uint32_t time_tick
     constexpr double limit_m = 2e5;  // of CloudPoint
     if (!(p_map_m.cwiseAbs().maxCoeff() < limit_m)) return;
     CubeIndex of_block;
+    Block::Local at;
+    VoxelOffset offset;
     unsigned place = 0;
-    Candidate candidate;
     for (int axis = 0; axis < 3; ++axis) {
-        const double at = p_map_m[axis] * per_voxel_;
-        const std::int32_t whole = floor_to_int(at);
-        of_block[static_cast<std::size_t>(axis)] = whole >> 3;
-        place = place << 3 | static_cast<unsigned>(whole & 7);
-        candidate.offset[static_cast<std::size_t>(axis)] =
-            static_cast<std::uint8_t>(std::min(255.0, (at - whole) * 256));
+        const auto a = static_cast<std::size_t>(axis);
+        const double in_voxels = p_map_m[axis] * per_voxel_;
+        const std::int32_t whole = floor_to_int(in_voxels);
+        of_block[a] = whole >> 3;
+        at[a] = whole & 7;
+        place = place << 3 | static_cast<unsigned>(at[a]);
+        offset[a] =
+            static_cast<std::uint8_t>(std::min<double>(offset_parts - 1, (in_voxels - whole) * offset_parts));
     }
-    const std::uint64_t key = pack(of_block);
-    if (last_block_ == nullptr || key != last_block_key_) {
-        last_block_ = &tile_of(of_block).block(of_block);
-        last_block_key_ = key;
+    if (of_block != here_.index) {
+        here_.index = of_block;
+        here_.known = 0;
     }
-    if (last_block_->is_taken(place)) return;
+    Block* block = block_beside({0, 0, 0});
+    if (block != nullptr && block->is_taken(place)) return;
+    if (is_near_another(at, offset)) return;
+    if (block == nullptr) block = here_.beside[Here::itself] = &tile_of(of_block).block(of_block);
+    Candidate candidate;
     candidate.time_ticks = time_ticks;
     candidate.intensity = intensity;
     candidate.place = static_cast<std::uint16_t>(place);
     candidate.view = views_taken_ + 1;
-    last_block_->hold(candidate);
+    block->hold(candidate, offset);
     ++new_candidates_;
+}
+
+Block* CloudMapper::block_beside(const std::array<int, 3>& step) {
+    const auto k = static_cast<unsigned>(Here::itself + 9 * step[0] + 3 * step[1] + step[2]);
+    if ((here_.known >> k & 1) == 0) {
+        const CubeIndex index{here_.index[0] + step[0], here_.index[1] + step[1], here_.index[2] + step[2]};
+        here_.beside[k] = tile_of(index).find(index);
+        here_.known |= 1u << k;
+    }
+    return here_.beside[k];
+}
+
+/// In the block itself first, which mostly tells; then in those beside it whose nearest face, edge or corner
+/// is near enough.
+bool CloudMapper::is_near_another(const Block::Local& at, const VoxelOffset& offset) {
+    constexpr int near2 = offset_parts * offset_parts;
+    std::array<int, 3> side{}, gap2{};  // in 256 parts of a voxel's edge, to the middle of the nearest part
+    unsigned sides = 0;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+        if (at[axis] > 0 && at[axis] < Block::edge - 1) continue;
+        side[axis] = at[axis] == 0 ? -1 : 1;
+        const int gap = at[axis] == 0 ? offset[axis] + 1 : offset_parts - offset[axis];
+        gap2[axis] = gap * gap;
+        sides |= 1u << axis;
+    }
+    for (unsigned beside = 0; beside < 8; ++beside) {
+        if ((beside & ~sides) != 0) continue;
+        std::array<int, 3> step{};
+        Block::Local from_there = at;
+        int nearest2 = 0;
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            if ((beside >> axis & 1) == 0) continue;
+            step[axis] = side[axis];
+            from_there[axis] -= Block::edge * side[axis];
+            nearest2 += gap2[axis];
+        }
+        if (nearest2 >= near2) continue;
+        const Block* block = block_beside(step);
+        if (block != nullptr && block->has_nearer(from_there, offset)) return true;
+    }
+    return false;
 }
 
 /// Never before the view before it has judged everything: each sweep has its share of that, and no more.
@@ -147,8 +194,7 @@ void CloudMapper::finish() {
     store_.leave_out_what_is_gone();
     tiles_.clear();
     views_.clear();
-    last_tile_ = nullptr;
-    last_block_ = nullptr;
+    forget_where_we_are();
 }
 
 }  // namespace loopline::cloud_map

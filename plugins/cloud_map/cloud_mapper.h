@@ -1,5 +1,5 @@
-/// The map of a spinning lidar: one point a voxel, without what moved, on disk but for the surroundings of
-/// the vehicle.
+/// The map of a spinning lidar: points that keep their distance, without what moved, on disk but for the
+/// surroundings of the vehicle.
 #pragma once
 
 #include <deque>
@@ -26,7 +26,7 @@ struct RemovalSettings {
 };
 
 struct CloudMapSettings {
-    double voxel_m = 0.1;
+    double voxel_m = 0.1;  ///< no two points are nearer to each other, nor in the same cube with this edge
     double min_range_m = 1.5, max_range_m = 60;
     RemovalSettings removal;
 };
@@ -77,6 +77,12 @@ class CloudMapper {
 
     Tile& tile_of(const CubeIndex& block);
     void insert(const Eigen::Vector3d& p_map_m, std::uint32_t time_ticks, std::uint16_t intensity);
+    Block* block_beside(const std::array<int, 3>& step);
+    bool is_near_another(const Block::Local& at, const VoxelOffset& offset);
+    void forget_where_we_are() {
+        last_tile_ = nullptr;
+        here_.known = 0;
+    }
     void insert_points(const lidar::SpinningScan& scan, const std::vector<std::uint16_t>& intensity);
     bool is_view_due(StampNs stamp_ns) const;
     void take_view(const lidar::SpinningScan& scan);
@@ -95,7 +101,7 @@ class CloudMapper {
     bool is_decided(const Candidate& candidate) const;
     CloudPoint point_of(const Block& block, const Candidate& candidate) const;
     CubeIndex voxel_at(const Block& block, unsigned place) const;
-    Eigen::Vector3d place_m(const Block& block, const Candidate& candidate) const;
+    Eigen::Vector3d place_m(const Block& block, unsigned place) const;
     void judge_all(const std::vector<Piece>& pieces, bool is_last);
     void begin_pass(std::uint64_t looks_of_one);
     std::uint64_t looks_at(const Block& block) const;
@@ -123,11 +129,17 @@ class CloudMapper {
     Pass pass_;
     CloudMapCounts counts_;
 
+    /// A block and those about it, as far as anyone asked for them.
+    struct Here {
+        CubeIndex index{};
+        std::uint32_t known = 0;  ///< a bit each; a block that is known to be none is null
+        std::array<Block*, 27> beside{};
+        static constexpr int itself = 13;
+    };
     // The tile and block met last: neighbouring beams mostly meet the same.
     Tile* last_tile_ = nullptr;
     TileIndex last_tile_index_{};
-    std::uint64_t last_block_key_ = 0;
-    Block* last_block_ = nullptr;
+    Here here_;
 };
 
 }  // namespace loopline::cloud_map

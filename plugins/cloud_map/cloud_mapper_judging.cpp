@@ -55,17 +55,17 @@ CubeIndex CloudMapper::voxel_at(const Block& block, unsigned place) const {
     return voxel;
 }
 
-Eigen::Vector3d CloudMapper::place_m(const Block& block, const Candidate& candidate) const {
-    const CubeIndex voxel = voxel_at(block, candidate.place);
+Eigen::Vector3d CloudMapper::place_m(const Block& block, unsigned place) const {
+    const CubeIndex voxel = voxel_at(block, place);
+    const VoxelOffset& offset = block.offset_of(place);
     Eigen::Vector3d p_m;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        p_m[static_cast<int>(axis)] =
-            (voxel[axis] + (candidate.offset[axis] + 0.5) / 256) * settings_.voxel_m;
+        p_m[static_cast<int>(axis)] = (voxel[axis] + (offset[axis] + 0.5) / offset_parts) * settings_.voxel_m;
     return p_m;
 }
 
 CloudPoint CloudMapper::point_of(const Block& block, const Candidate& candidate) const {
-    const Eigen::Vector3d p_m = place_m(block, candidate);
+    const Eigen::Vector3d p_m = place_m(block, candidate.place);
     CloudPoint point;
     for (int axis = 0; axis < 3; ++axis)
         point.place[static_cast<std::size_t>(axis)] =
@@ -99,20 +99,16 @@ void CloudMapper::look_again(Block& block, Verdict& verdict) const {
     if (!may_be_through && !block.is_doubted()) return;
     const RangeView& view = views_.back();
     bool is_through = false;
-    const auto half_voxel_m = static_cast<float>(settings_.voxel_m / 2);
     std::bitset<Block::voxels> asked;
     const auto stays = [&](unsigned place, std::uint8_t& doubt) {
         asked.set(place);
-        const CubeIndex voxel = voxel_at(block, place);
-        const Eigen::Vector3d middle_m =
-            (Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).array() + 0.5) * settings_.voxel_m;
         const Evidence evidence =
-            view.look((middle_m - view.origin_m()).cast<float>(), settings_.removal.view, half_voxel_m);
+            view.look((place_m(block, place) - view.origin_m()).cast<float>(), settings_.removal.view);
         if (evidence == Evidence::seen && doubt > 0) --doubt;
         if (evidence != Evidence::through) return true;
         is_through = true;
         if (++doubt < settings_.removal.surely_there) return true;
-        verdict.gone.push_back(pack(voxel));
+        verdict.gone.push_back(pack(voxel_at(block, place)));
         return false;
     };
     block.look_again([&](unsigned place, std::uint8_t& doubt) {
@@ -132,7 +128,7 @@ void CloudMapper::judge(const Piece& piece, bool is_last, Verdict& verdict) cons
         if (block.candidates().empty()) continue;
         block.judge([&](Candidate& candidate) {
             if (!is_last && candidate.view > views_taken_) return Block::Fate::stays;  // the next view's
-            if (looks) look_at(place_m(block, candidate), candidate);
+            if (looks) look_at(place_m(block, candidate.place), candidate);
             if (looks && !is_decided(candidate)) return Block::Fate::stays;
             if (settings_.removal.remove_moving && is_moving(candidate)) {
                 ++verdict.moving;
@@ -223,8 +219,7 @@ void CloudMapper::forget_far_tiles() {
         store_.put_away(piece.index, *piece.tile);
         tiles_.erase(piece.index);
     }
-    last_tile_ = nullptr;
-    last_block_ = nullptr;
+    forget_where_we_are();
 }
 
 }  // namespace loopline::cloud_map

@@ -18,12 +18,6 @@ int part_of_turn(float turns, int count) {
     return k < 0 ? 0 : k >= count ? count - 1 : k;
 }
 
-/// std::floor() is a call into the library here.
-int whole_below(float x) {
-    const int whole = static_cast<int>(x);
-    return static_cast<float>(whole) > x ? whole - 1 : whole;
-}
-
 }  // namespace
 
 RangeView::RangeView(const lidar::SpinningScan& scan, const SweepMotion& motion)
@@ -112,8 +106,7 @@ int RangeView::ring_above(float slope) const {
     return ring;
 }
 
-Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSettings& settings,
-                         float half_m) const {
+Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSettings& settings) const {
     const auto reach_m = static_cast<float>(settings.reach_m);
     if (from_origin_m.squaredNorm() > reach_m * reach_m) return Evidence::none;
     // The direction tells when the lidar looked there, and so from where: asked for twice, from nearby.
@@ -128,9 +121,7 @@ Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSetting
         turns = azimuth_turns(p.y(), p.x());
     }
     const float level_m = std::sqrt(p.x() * p.x() + p.y() * p.y());
-    const float half_slope = half_m / std::max(level_m, 1e-3f);
-    const float slope = p.z() / std::max(level_m, 1e-3f),
-                off = static_cast<float>(settings.sigma_slope) + half_slope;
+    const float slope = p.z() / std::max(level_m, 1e-3f), off = static_cast<float>(settings.sigma_slope);
     const int upper = ring_above(slope + off);
     if (upper < 0 || upper + 1 >= rings()) return Evidence::none;
     int lower = upper + 1;
@@ -139,13 +130,10 @@ Evidence RangeView::look(const Eigen::Vector3f& from_origin_m, const ViewSetting
     const float margin_m = static_cast<float>(settings.margin_m + settings.margin_per_m * range_m);
     const auto beyond = static_cast<int>((range_m + margin_m) / range_unit_m),
                before = static_cast<int>((range_m - margin_m) / range_unit_m);
-    const auto columns = static_cast<float>(columns_);
-    const float column = std::min(turns * columns, columns - 0.5f),
-                half_columns = std::min(0.25f, half_slope / (2 * static_cast<float>(M_PI))) * columns;
-    const int left = whole_below(column - half_columns), right = whole_below(column + half_columns);
+    const int column = part_of_turn(turns, columns_);
     int returns = 0, there = 0, nearer = 0;
     for (int row = upper; row <= lower; ++row)
-        for (int c = left - 1; c <= right + 1; ++c) {
+        for (int c = column - 1; c <= column + 1; ++c) {
             const int wrapped = c < 0 ? c + columns_ : c >= columns_ ? c - columns_ : c;
             const int range = ranges_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
                                       static_cast<std::size_t>(wrapped)];

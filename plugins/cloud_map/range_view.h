@@ -32,14 +32,13 @@ class RangeView {
 
     /// Of the lidar in the middle of the sweep.
     const Eigen::Vector3d& origin_m() const { return origin_m_; }
-    /// `from_origin_m`: the place in the map's axes, from origin_m(); `half_m`: what is meant may be as far
-    /// off on each side, as in a voxel about it.
+    /// `from_origin_m`: the place in the map's axes, from origin_m().
     ///
-    /// The beams about a place are those of the rings above and below all that it may be, and of its
-    /// columns and one more on each side. All of them must have gone beyond it, so that a surface that is met
+    /// The beams about a place are those of the rings above and below it, and of its column and one more on
+    /// each side. All of them must have gone beyond it, so that a surface that is met
     /// at a grazing angle is safe: of two rings on the same ground one is always nearer than any place
     /// between them. So are posts, which hide in one column or the next.
-    Evidence look(const Eigen::Vector3f& from_origin_m, const ViewSettings& settings, float half_m = 0) const;
+    Evidence look(const Eigen::Vector3f& from_origin_m, const ViewSettings& settings) const;
 
  private:
     template <class Archive>

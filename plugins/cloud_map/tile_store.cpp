@@ -11,6 +11,7 @@ void TileStore::keep_in(const std::filesystem::path& folder, const std::string& 
     gone_.keep_in(folder, name + "_gone");
     stretches_.keep_in(folder, name + "_stretches");
     taken_.keep_in(folder, name + "_taken");
+    offsets_.keep_in(folder, name + "_offsets");
 }
 
 void TileStore::append(const TileIndex& tile, const std::vector<CloudPoint>& points,
@@ -25,10 +26,15 @@ void TileStore::append(const TileIndex& tile, const std::vector<CloudPoint>& poi
 }
 
 void TileStore::put_away(const TileIndex& index, const Tile& tile) {
+    if (tile.blocks().empty()) return;
     Place& place = place_of_taken_[index];
     place.first = taken_.size();
-    for (const Block& block : tile.blocks())
-        if (block.points_given() > 0) taken_.push_back({block.index, 0, block.given()});
+    place.first_offset = offsets_.size();
+    for (const Block& block : tile.blocks()) {
+        if (block.points_given() == 0) continue;
+        taken_.push_back({block.index, 0, block.given()});
+        block.for_each_given([&](unsigned, const VoxelOffset& offset) { offsets_.push_back(offset); });
+    }
     place.count = taken_.size() - place.first;
 }
 
@@ -36,8 +42,15 @@ void TileStore::bring_back(const TileIndex& index, Tile& tile) const {
     const auto found = place_of_taken_.find(index);
     if (found == place_of_taken_.end()) return;
     const Place& place = found->second;
-    taken_.for_each(place.first, place.first + place.count,
-                    [&](const Taken& taken) { tile.block(taken.block).give_all(taken.given); });
+    std::uint64_t first = place.first_offset;
+    taken_.for_each(place.first, place.first + place.count, [&](const Taken& taken) {
+        const std::uint64_t end = first + Block::count(taken.given);
+        std::vector<VoxelOffset> offsets;
+        offsets.reserve(end - first);
+        offsets_.for_each(first, end, [&](const VoxelOffset& offset) { offsets.push_back(offset); });
+        tile.block(taken.block).give_all(taken.given, std::move(offsets));
+        first = end;
+    });
 }
 
 CubeIndex TileStore::voxel_of(const CloudPoint& point) const {

@@ -10,8 +10,8 @@
 namespace loopline::cloud_map {
 
 /// What is written is never touched again: a point that is gone is noted in a file of its own, and left out
-/// when the cloud is complete. A third file holds the voxels that are taken of each tile that is not in
-/// memory. For each tile, memory holds three numbers.
+/// when the cloud is complete. Two more hold the voxels that are taken of each tile that is not in memory,
+/// and where in them the points are. For each tile, memory holds four numbers.
 class TileStore {
  public:
     using TileIndex = std::array<std::int32_t, 2>;
@@ -22,8 +22,8 @@ class TileStore {
     /// What is new of a tile: points, and voxels, packed, whose points of before are gone.
     void append(const TileIndex& tile, const std::vector<CloudPoint>& points,
                 const std::vector<std::uint64_t>& gone);
-    /// Notes which voxels of a tile have given their points, which memory forgets until the vehicle comes
-    /// back.
+    /// Notes which voxels of a tile have given their points, and where those are, which memory forgets until
+    /// the vehicle comes back.
     void put_away(const TileIndex& index, const Tile& tile);
     void bring_back(const TileIndex& index, Tile& tile) const;
     /// Calls `use(point)` with all points of a tile that are still there, the latest stretch first.
@@ -66,9 +66,9 @@ class TileStore {
         std::int32_t reserved = 0;
         Block::Bits given{};
     };
-    /// Of a tile that was put away: in `taken_`.
+    /// Of a tile that was put away: in `taken_`, and from where on in `offsets_`.
     struct Place {
-        std::uint64_t first = 0, count = 0;
+        std::uint64_t first = 0, count = 0, first_offset = 0;
     };
     template <class Archive>
     friend void fields(Archive&, Place&);
@@ -81,6 +81,7 @@ class TileStore {
     SetAside<Stretch> stretches_;
     std::map<TileIndex, std::uint64_t> last_stretch_;
     SetAside<Taken> taken_;
+    SetAside<VoxelOffset> offsets_;  ///< of each voxel in `taken_`, in order
     std::map<TileIndex, Place> place_of_taken_;
 };
 

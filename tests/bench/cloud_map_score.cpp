@@ -1,10 +1,12 @@
-/// What module cloud_map leaves out of a town with traffic, and what it costs, with true poses:
+/// What module cloud_map leaves out of a town with traffic, how much of what stands is bare without that, and
+/// what it costs, with true poses:
 ///   cloud_map_score SCENARIO.ini [SCENARIO_SECTION.KEY=VALUE]... [cloud_map.KEY=VALUE]...
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <sys/resource.h>
 
 #include <chrono>
 #include <cstdio>
+#include <unordered_map>
 
 #include "cloud_map/cloud_map_module.h"
 #include "support/traffic_log.h"
@@ -15,6 +17,8 @@ namespace {
 
 struct Outcome {
     test::TrafficLog::Count count;
+    std::vector<Eigen::Vector3d> still_m;
+    double voxel_m = 0;
     std::map<std::string, MetricValue> metrics;
     double sweep_ms = 0, worst_ms = 0;
 };
@@ -63,7 +67,41 @@ Outcome run(const test::TrafficLog& log, const std::vector<mrpt::obs::CObservati
     module.finish(results);
     outcome.metrics = results.metrics;
     outcome.count = log.count(*module.cloud());
+    const StoredCloud& cloud = *module.cloud();
+    for (const CloudPoint& point : cloud.points()) {
+        const StampNs seen_ns = cloud.first_ns + std::llround(1e9 * point.time_s());
+        if (log.kind(point.p_map_m(), seen_ns) == test::TrafficLog::Kind::still)
+            outcome.still_m.push_back(point.p_map_m());
+    }
+    const ParameterTable table = module.parameters();
+    outcome.voxel_m = std::stod(table.find("voxel_m")->print());
     return outcome;
+}
+
+/// How many of `all` have none of `kept` within `reach_m`.
+std::size_t count_bare(const std::vector<Eigen::Vector3d>& all, const std::vector<Eigen::Vector3d>& kept,
+                       double reach_m) {
+    const auto cube_of = [&](const Eigen::Vector3d& p_m) {
+        return cloud_map::CubeIndex{static_cast<std::int32_t>(std::floor(p_m.x() / reach_m)),
+                                    static_cast<std::int32_t>(std::floor(p_m.y() / reach_m)),
+                                    static_cast<std::int32_t>(std::floor(p_m.z() / reach_m))};
+    };
+    std::unordered_multimap<std::uint64_t, std::size_t> cubes;
+    cubes.reserve(kept.size());
+    for (std::size_t k = 0; k < kept.size(); ++k) cubes.emplace(cloud_map::pack(cube_of(kept[k])), k);
+    std::size_t bare = 0;
+    for (const Eigen::Vector3d& p_m : all) {
+        const auto [x, y, z] = cube_of(p_m);
+        bool is_near = false;
+        for (int step = 0; step < 27 && !is_near; ++step) {
+            const auto [first, end] = cubes.equal_range(
+                cloud_map::pack({x + step / 9 - 1, y + step / 3 % 3 - 1, z + step % 3 - 1}));
+            for (auto k = first; k != end && !is_near; ++k)
+                is_near = (kept[k->second] - p_m).squaredNorm() < reach_m * reach_m;
+        }
+        bare += is_near ? 0 : 1;
+    }
+    return bare;
 }
 
 }  // namespace
@@ -94,6 +132,9 @@ int main(int argc, char** argv) {
         "still points kept: %.3f %%, moving points removed: %.2f %%\n",
         100.0 * double(kept.count.still) / double(std::max<std::size_t>(1, all.count.still)),
         100.0 - 100.0 * double(kept.count.moving) / double(std::max<std::size_t>(1, all.count.moving)));
+    std::printf("still points with none kept within 2 voxel_m: %.3f %%\n",
+                100.0 * double(count_bare(all.still_m, kept.still_m, 2 * all.voxel_m)) /
+                    double(std::max<std::size_t>(1, all.still_m.size())));
     for (const auto& [key, value] : kept.metrics)
         if (const auto* count = std::get_if<std::int64_t>(&value))
             std::printf("%s %lld\n", key.c_str(), static_cast<long long>(*count));

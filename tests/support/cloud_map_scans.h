@@ -1,8 +1,13 @@
-/// Scans of a spinning lidar that meets what a function says, and vehicles that stand.
+/// Scans of a spinning lidar that meets what a function says, vehicles that stand, and how near to each other
+/// the points of a cloud are.
 #pragma once
 
 #include <cmath>
+#include <limits>
+#include <map>
+#include <vector>
 
+#include "api/stored_cloud.h"
 #include "cloud_map/sweep_motion.h"
 
 namespace loopline::cloud_map_scans {
@@ -33,6 +38,33 @@ lidar::SpinningScan scan_of(const Range& range_m, int columns = 900) {
 
 inline cloud_map::PoseAt standing(const Pose3& T_map_base = {}) {
     return [T_map_base](StampNs) { return T_map_base; };
+}
+
+/// What rounding to whole 0.1 mm may take from the distance of two points, and more.
+inline constexpr double rounding_m = 2e-4;
+
+/// Of the two points that are nearest to each other; infinite if none are within `edge_m`.
+inline double nearest_two_m(const StoredCloud& cloud, double edge_m) {
+    std::map<std::array<long, 3>, std::vector<Eigen::Vector3d>> cubes;
+    double least_m = std::numeric_limits<double>::infinity();
+    for (const CloudPoint& point : cloud.points()) {
+        const Eigen::Vector3d p_m = point.p_map_m();
+        std::array<long, 3> cube;
+        for (int axis = 0; axis < 3; ++axis)
+            cube[static_cast<std::size_t>(axis)] = std::lround(std::floor(p_m[axis] / edge_m));
+        for (long x = cube[0] - 1; x <= cube[0] + 1; ++x)
+            for (long y = cube[1] - 1; y <= cube[1] + 1; ++y)
+                for (long z = cube[2] - 1; z <= cube[2] + 1; ++z) {
+                    const auto found = cubes.find({x, y, z});
+                    if (found == cubes.end()) continue;
+                    for (const Eigen::Vector3d& q_m : found->second) {
+                        const double d_m = (p_m - q_m).norm();
+                        if (d_m < edge_m) least_m = std::min(least_m, d_m);
+                    }
+                }
+        cubes[cube].push_back(p_m);
+    }
+    return least_m;
 }
 
 }  // namespace loopline::cloud_map_scans
