@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "api/pose_observation.h"
 #include "cloud_localisation/frozen_cloud.h"
 #include "cloud_localisation/map_uncertainty.h"
 #include "cloud_localisation/start_search.h"
@@ -41,12 +42,6 @@ struct FixInMap {
     bool has_height = false;
     double sigma_m = 0, sigma_z_m = 0;  ///< along each axis of the horizon, and upward
     Eigen::Vector3d p_base_antenna_m = Eigen::Vector3d::Zero();
-};
-
-/// Covariance of (shift, turn) along the map's axes, about the vehicle.
-struct PoseWithCovariance {
-    Pose3 T_map_base;
-    Matrix6d covariance = Matrix6d::Zero();
 };
 
 /// Where the vehicle was at a sweep's stamp.

@@ -41,11 +41,6 @@ void fields(Archive& archive, CloudLocalisation& l) {
 }
 
 template <class Archive>
-void fields(Archive& archive, PoseWithCovariance& pose) {
-    archive(pose.T_map_base, pose.covariance);
-}
-
-template <class Archive>
 void fields(Archive& archive, LocalisedPath& path) {
     archive(path.sweeps_, path.known_from_);
     archive.each(path.lost_, [](auto& a, auto& s) {

@@ -43,6 +43,13 @@ MotionState predict(const MotionState& state, const GivenMotion& given, double d
     next.covariance.topLeftCorner<6, 6>() =
         inertial::grown(state.covariance.topLeftCorner<6, 6>(), state.T_map_base, next.T_map_base, motion);
     next.covariance.bottomRightCorner<6, 6>() = R * velocity * R.transpose();
+    // What a whole way is off by that nothing else tells, less what was of it before.
+    const Eigen::Vector3d way_m = next.T_map_base.translation_m - state.T_map_base.translation_m;
+    const double length_m = way_m.norm(), off2 = given.sigma_scale * given.sigma_scale;
+    next.way_on_trust_m += length_m;
+    if (length_m > 0)
+        next.covariance.topLeftCorner<3, 3>() +=
+            off2 * (2 * state.way_on_trust_m + length_m) / length_m * way_m * way_m.transpose();
     return next;
 }
 

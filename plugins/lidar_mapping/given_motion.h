@@ -14,7 +14,8 @@ struct GivenMotion {
     Matrix6d velocity_covariance = Matrix6d::Zero();  ///< of that mean
     /// Of (shift, turn) of T_last_now, along the vehicle's axes at the latest sweep, about the vehicle now.
     Matrix6d covariance = Matrix6d::Zero();
-    bool planar = false;  ///< wheels tell shift x, y and turn z only
+    double sigma_scale = 0;  ///< of its ways, the same for all: an error of theirs adds up
+    bool planar = false;     ///< wheels tell shift x, y and turn z only
 };
 
 /// As predict(): the state in the middle of the next sweep, before that is matched. What wheels do not tell

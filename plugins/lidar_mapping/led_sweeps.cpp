@@ -29,7 +29,11 @@ void LedSweepsSettings::declare_odometry(ParameterTable& table) {
               "velocity goes on as it was.")
         .real("odometry_sigma_m", odometry.sigma_m, {1e-4, 100},
               "Standard deviation of the odometry's way between two sweeps, beside what it says itself.")
-        .angle("odometry_sigma_deg", odometry.sigma_rad, {1e-3, 180}, "And of the turn.");
+        .angle("odometry_sigma_deg", odometry.sigma_rad, {1e-3, 180}, "And of the turn.")
+        .real("odometry_sigma_scale", odometry.sigma_scale, {0, 1},
+              "Standard deviation of its scale, a part of the way: where sweeps do not tell how far the "
+              "vehicle "
+              "has come, as along a tunnel, it adds up.");
 }
 
 void LedSweepsSettings::declare_cloud_sweep(ParameterTable& table) {

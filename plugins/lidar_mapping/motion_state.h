@@ -16,6 +16,8 @@ struct MotionState {
     Twist3 velocity;         ///< a second, along the vehicle's axes
     Twist3 velocity_before;  ///< that it had so much earlier:
     double duration_s = 0;   ///< 0 if that is not known
+    /// That another odometry tells since a sweep last held all directions.
+    double way_on_trust_m = 0;
     /// Of shift, turn, velocity and rate of turn, all along the map's axes, about the vehicle's own position:
     /// what is known relative to the map around it.
     Matrix12d covariance = Matrix12d::Zero();

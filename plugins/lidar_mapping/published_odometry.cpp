@@ -50,6 +50,7 @@ std::optional<GivenMotion> PublishedOdometry::motion(StampNs from_ns, StampNs to
     const std::size_t from = before(from_ns), to = before(to_ns);
     GivenMotion given;
     given.planar = planar_;
+    given.sigma_scale = settings_.sigma_scale;
     given.T_last_now = segment(from).at(from_ns).inverse() * segment(to).at(to_ns);
     const Sample &a = poses_[to], &b = poses_[to + 1];
     const double over_s = seconds_between(a.stamp_ns, b.stamp_ns);

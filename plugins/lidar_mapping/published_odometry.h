@@ -21,6 +21,7 @@ struct PublishedOdometrySettings {
     /// Of the motion between two sweeps, beside what its covariance says, if it has one: errors that
     /// neighbouring motions share, and that a lidar odometry has seen the same sweep.
     double sigma_m = 0.03, sigma_rad = 0.3 * 3.14159265358979323846 / 180;
+    double sigma_scale = 0.01;  ///< of its ways, as a part of them
 };
 
 class PublishedOdometry {

@@ -207,6 +207,7 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
     result.state.covariance = by_scan + by_prediction;
     result.by_scan = by_scan.topLeftCorner<6, 6>();
     result.by_prediction = by_prediction.topLeftCorner<6, 6>();
+    if (result.degeneracy.free_directions == 0) result.state.way_on_trust_m = 0;
     if (sums.support > 0) result.age_sweeps = map.sweeps() - sums.sweep / sums.support;
     const double used = std::max(1, sums.used);
     result.mean_range_m = sums.mean_range_m();

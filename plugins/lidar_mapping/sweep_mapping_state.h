@@ -15,7 +15,7 @@ void fields(Archive& archive, SweepPoint& point) {
 
 template <class Archive>
 void fields(Archive& archive, MotionState& state) {
-    archive(state.T_map_base, state.velocity, state.covariance);
+    archive(state.T_map_base, state.velocity, state.covariance, state.way_on_trust_m);
 }
 
 template <class Archive>

@@ -146,4 +146,25 @@ TEST(GivenMotion, of_wheels_changes_shift_and_heading_only) {
     EXPECT_NEAR(covariance(2, 2) - covariance(1, 1), 0.03 * 0.03 - 1e-4, 1e-4);
 }
 
+/// Along a tunnel an odometry with a wrong scale is off by that part of the whole way; where sweeps hold the
+/// way, by that part of a step.
+TEST(GivenMotion, error_of_its_scale_adds_up_where_no_sweep_holds_the_way) {
+    constexpr int steps = 100;
+    const Pose3 start({5, 6, 1}, inertial::exp_so3({0.02, -0.01, 0.8}));
+    GivenMotion given;
+    given.T_last_now = {{1.2, 0, 0}, Eigen::Quaterniond::Identity()};
+    given.sigma_scale = 0.01;
+    MotionState state;
+    state.T_map_base = start;
+    for (int k = 0; k < steps; ++k) state = predict(state, given, 0.1, {});
+    const Eigen::Matrix3d covariance = state.covariance.topLeftCorner<3, 3>();
+    const Eigen::Vector3d along = start.rotation * Eigen::Vector3d::UnitX();
+    EXPECT_NEAR(std::sqrt(along.dot(covariance * along)), 0.01 * 1.2 * steps, 1e-9);
+    EXPECT_NEAR(covariance.trace(), along.dot(covariance * along), 1e-9);
+    state.way_on_trust_m = 0;
+    state.covariance.setZero();
+    state = predict(state, given, 0.1, {});
+    EXPECT_NEAR(std::sqrt(state.covariance.topLeftCorner<3, 3>().trace()), 0.01 * 1.2, 1e-9);
+}
+
 }  // namespace
