@@ -18,7 +18,7 @@ struct RegistrationSettings {
     double enough_m = 5e-4, enough_rad = 5e-5;
     /// A direction that the scan holds no better than this is not observed; a turn counts by what it moves at
     /// the mean range.
-    double sigma_degenerate_m = 0.2;
+    double sigma_degenerate_m = 0.3;
 };
 
 /// Directions of motion of which the surroundings say nothing, as on a level field or along a tunnel (after
