@@ -34,9 +34,11 @@ CloudLocalisation::CloudLocalisation(const LocalisationSettings& settings, const
     : settings_(settings),
       map_(map),
       uncertainty_(std::move(uncertainty)),
+      registration_(settings.sweeps.registration),
       workers_(threads),
       threads_(threads) {
-    settings_.start.registration = settings.sweeps.registration;
+    registration_.few = 0;  // many sweeps have made the map, and none of these
+    settings_.start.registration = registration_;
     std::optional<Guess> guess;
     if (settings.T_map_start)
         guess = Guess{*settings.T_map_start, settings.sigma_start_m, settings.sigma_start_m,
@@ -91,8 +93,7 @@ bool CloudLocalisation::follow(const GivenMotion* given, double duration_s, Stam
     const MotionState predicted = given != nullptr
                                       ? predict(before, *given, duration_s, settings_.sweeps.motion)
                                       : predict(before, duration_s, settings_.sweeps.motion);
-    Registration found =
-        register_sweep(map_.surfaces(), matched_, predicted, settings_.sweeps.registration, workers_);
+    Registration found = register_sweep(map_.surfaces(), matched_, predicted, registration_, workers_);
     double fit = fit_of(found);
     if (fit < settings_.good_fit) {
         MotionNoise jerk = settings_.sweeps.motion;
@@ -125,11 +126,10 @@ bool CloudLocalisation::follow(const GivenMotion* given, double duration_s, Stam
 
 /// Large cubes draw the sweep in from afar, all of them then find its place.
 Registration CloudLocalisation::registered(const MotionState& predicted) {
-    RegistrationSettings coarse = settings_.sweeps.registration;
+    RegistrationSettings coarse = registration_;
     coarse.smallest_size = map_.surfaces().sizes() / 2;
     const Registration drawn_in = register_sweep(map_.surfaces(), matched_, predicted, coarse, workers_);
-    return register_sweep(map_.surfaces(), matched_, predicted, settings_.sweeps.registration, workers_,
-                          &drawn_in.state);
+    return register_sweep(map_.surfaces(), matched_, predicted, registration_, workers_, &drawn_in.state);
 }
 
 /// Beyond the map nothing is known of the ground, and nothing fits. Where next to nothing stands, as in a

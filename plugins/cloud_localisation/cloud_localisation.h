@@ -124,6 +124,7 @@ class CloudLocalisation {
     LocalisationSettings settings_;
     const FrozenCloud& map_;
     MapUncertainty uncertainty_;
+    lidar_mapping::RegistrationSettings registration_;  ///< in the map
     WorkerPool workers_;
     int threads_ = 1;
     lidar_mapping::ScanSampler sampler_;

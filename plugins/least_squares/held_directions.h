@@ -20,14 +20,28 @@ class HeldDirections {
         : least_(1 / (sigma_limit_m * sigma_limit_m)) {
         scale_ << 1, 1, 1, 1 / range_m, 1 / range_m, 1 / range_m;
         eigen_.compute(scale_.asDiagonal() * information * scale_.asDiagonal());
+        sound_ = eigen_.eigenvalues();
     }
 
-    bool all() const { return !(eigen_.eigenvalues()[0] < least_); }
-    int free_count() const { return static_cast<int>((eigen_.eigenvalues().array() < least_).count()); }
+    /// What of the information on a direction does not count as to whether it is held: `part` of a (shift,
+    /// turn) is asked of those directions alone that are held no better than `sigma_m`.
+    template <class Part>
+    void without(double sigma_m, const Part& part) {
+        for (Eigen::Index k = 0; k < 6; ++k)
+            if (sound_[k] * sigma_m * sigma_m < 1)
+                sound_[k] -= part(Vector6d(scale_.asDiagonal() * eigen_.eigenvectors().col(k)));
+    }
+
+    bool all() const { return !(sound_.minCoeff() < least_); }
+    int free_count() const { return static_cast<int>((sound_.array() < least_).count()); }
     /// Standard deviation along the direction that is held least.
-    double weakest_sigma_m() const { return 1 / std::sqrt(std::max(eigen_.eigenvalues()[0], 1e-6)); }
+    double weakest_sigma_m() const { return 1 / std::sqrt(std::max(sound_.minCoeff(), 1e-6)); }
     /// That direction, of length 1 with a turn as what it moves at the range.
-    Vector6d weakest_moves_m() const { return eigen_.eigenvectors().col(0); }
+    Vector6d weakest_moves_m() const {
+        Eigen::Index k = 0;
+        sound_.minCoeff(&k);
+        return eigen_.eigenvectors().col(k);
+    }
     /// The same as (shift, turn).
     Vector6d weakest() const { return scale_.asDiagonal() * weakest_moves_m(); }
     /// Of a (shift, turn) onto what is held; its transpose, of an information or a gradient.
@@ -43,12 +57,10 @@ class HeldDirections {
 
  private:
     /// 1 for a direction that is held, else 0.
-    Vector6d held() const {
-        return (eigen_.eigenvalues().array() < least_).select(Vector6d::Zero(), Vector6d::Ones());
-    }
+    Vector6d held() const { return (sound_.array() < least_).select(Vector6d::Zero(), Vector6d::Ones()); }
 
     double least_;
-    Vector6d scale_;
+    Vector6d scale_, sound_;
     Eigen::SelfAdjointEigenSolver<Matrix6d> eigen_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "least_squares/held_directions.h"
 
@@ -57,19 +58,22 @@ struct NormalEquations {
         to_pose -= weighted_e * j;
         to_velocity -= (s * weighted_e) * j;
     }
+    /// Both return the Jacobian.
     /// A residual `e` along `n`, at `arm` from the vehicle: de = n . shift + (arm x n) . turn.
-    void add(const Eigen::Vector3d& n, const Eigen::Vector3d& arm, double s, double e, double weight) {
+    Vector6d add(const Eigen::Vector3d& n, const Eigen::Vector3d& arm, double s, double e, double weight) {
         const Vector6d j = jacobian(n, arm);
         all.add(j, s, weight);
         add_gradient(j, s, weight * e);
+        return j;
     }
-    /// The normal's error towards `across` has the variance `turn`, `offset` is the return's from the
-    /// surface.
-    void add_chance(const Eigen::Vector3d& across, const Eigen::Vector3d& arm, double s, double offset_m,
-                    double weight, double turn) {
+    /// The normal errs towards `across`, `weight` holds the variance of that; `offset` is the return's from
+    /// the surface.
+    Vector6d add_chance(const Eigen::Vector3d& across, const Eigen::Vector3d& arm, double s, double offset_m,
+                        double weight) {
         const Vector6d j = jacobian(across, arm);
-        chance.add(j, s, weight * turn);
-        add_gradient(j, s, -weight * turn * offset_m);
+        chance.add(j, s, weight);
+        add_gradient(j, s, -weight * offset_m);
+        return j;
     }
     void operator+=(const NormalEquations& o) {
         all += o.all;
@@ -84,11 +88,37 @@ struct NormalEquations {
     }
 };
 
-/// What a sweep says about (shift, turn). Chance is known in the mean; what it is in a sweep differs from
-/// that.
-HeldDirections held_by(const NormalEquations& sums, double sigma_limit_m) {
-    constexpr double uncertain_chance = 1.5;
-    return {sums.all.pose - uncertain_chance * sums.chance.pose, sums.mean_range_m(), sigma_limit_m};
+/// What one point says about the pose: Jacobians by the standard deviation, an edge has two, and those of
+/// what looks so by chance.
+struct PointSays {
+    Eigen::Matrix<double, 6, 2> all = Eigen::Matrix<double, 6, 2>::Zero(), chance = all;
+};
+
+/// Chance is known in the mean; what it is in a sweep differs from that.
+constexpr double uncertain_chance = 1.5;
+
+/// What the `few` points that say most about a motion say about it.
+double by_the_few(const std::vector<PointSays>& points, const Vector6d& motion, std::size_t few) {
+    std::vector<double> says;
+    for (const PointSays& point : points)
+        says.push_back(uncertain_chance * (point.chance.transpose() * motion).squaredNorm() -
+                       (point.all.transpose() * motion).squaredNorm());
+    const auto end = says.begin() + static_cast<std::ptrdiff_t>(std::min(few, says.size()));
+    std::partial_sort(says.begin(), end, says.end());
+    return -std::accumulate(says.begin(), end, 0.0);
+}
+
+/// What a sweep says about (shift, turn). In a map that is made of the sweeps before, a few points may be of
+/// a plane that is none, as one ring on the ground and a twig above make it, or of somebody who moves: others
+/// must hold the direction too.
+HeldDirections held_by(const NormalEquations& sums, const std::vector<PointSays>& points,
+                       const RegistrationSettings& settings) {
+    constexpr double in_doubt_m = 0.01;
+    HeldDirections held(sums.all.pose - uncertain_chance * sums.chance.pose, sums.mean_range_m(),
+                        settings.sigma_degenerate_m);
+    held.without(in_doubt_m,
+                 [&](const Vector6d& motion) { return by_the_few(points, motion, settings.few); });
+    return held;
 }
 
 /// On (pose, velocity): the sweep's own optimum R^-1 g, R what is real, has the covariance R^-1 A R^-1.
@@ -111,8 +141,9 @@ struct Evidence {
     }
 };
 
-void add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, double per_scale2,
-               NormalEquations& sums) {
+PointSays add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, double per_scale2,
+                    NormalEquations& sums) {
+    PointSays says;
     const Eigen::Vector3d d = match.direction_map.cast<double>(), off = match.offset_m.cast<double>();
     const double per_variance = 1 / static_cast<double>(match.variance_m2);
     double e2 = 0, loss = 1;
@@ -121,11 +152,13 @@ void add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, 
         e2 = e * e * per_variance;
         loss = 1 / (1 + e2 * per_scale2);
         const double w = per_variance * loss;
-        sums.add(d, arm, s, e, w);
+        says.all.col(0) = std::sqrt(w) * sums.add(d, arm, s, e, w);
         const Eigen::Vector3d along = match.along_map.cast<double>(),
                               beside = match.beside_map.cast<double>();
-        sums.add_chance(along, arm, s, along.dot(off), w, static_cast<double>(match.turn_along));
-        sums.add_chance(beside, arm, s, beside.dot(off), w, static_cast<double>(match.turn_beside));
+        const double w_along = w * static_cast<double>(match.turn_along),
+                     w_beside = w * static_cast<double>(match.turn_beside);
+        says.chance.col(0) = std::sqrt(w_along) * sums.add_chance(along, arm, s, along.dot(off), w_along);
+        says.chance.col(1) = std::sqrt(w_beside) * sums.add_chance(beside, arm, s, beside.dot(off), w_beside);
         sums.squares += e2;
     } else {
         // Both directions across the edge.
@@ -135,26 +168,28 @@ void add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, 
         loss = 1 / (1 + e2 * per_scale2);
         const double w = per_variance * loss;
         const Eigen::Vector3d a = distance > 1e-9 ? Eigen::Vector3d(across / distance) : d.unitOrthogonal();
-        sums.add(a, arm, s, distance, w);
-        sums.add(d.cross(a), arm, s, 0, w);
+        says.all.col(0) = std::sqrt(w) * sums.add(a, arm, s, distance, w);
+        says.all.col(1) = std::sqrt(w) * sums.add(d.cross(a), arm, s, 0, w);
         sums.squares += e2 / 2;
     }
     ++sums.used;
     sums.support += loss;
     sums.sweep += loss * static_cast<double>(match.sweep);
     sums.range_m += arm.norm();
+    return says;
 }
 
 /// In parts that are always the same, whoever computes them, and added up in their order.
 NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& points,
-                          const MotionState& state, const RegistrationSettings& settings,
-                          WorkerPool& workers) {
+                          const MotionState& state, const RegistrationSettings& settings, WorkerPool& workers,
+                          std::vector<PointSays>& says) {
     constexpr std::size_t parts = 8;
     std::array<NormalEquations, parts> sums;
     const Eigen::Matrix3d R = state.T_map_base.rotation.toRotationMatrix();
     const Eigen::Matrix3f beams = R.cast<float>();
     const SweepMotion motion(state);
     const double per_scale2 = 1 / (settings.loss_scale * settings.loss_scale);
+    says.assign(points.size(), {});
     workers.run(parts, [&](std::size_t part) {
         const std::size_t end = (part + 1) * points.size() / parts;
         for (std::size_t i = part * points.size() / parts; i < end; ++i) {
@@ -163,8 +198,8 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
             const SurfaceMatch match = map.find(
                 {state.T_map_base.translation_m + arm, beams * point.beam_base}, settings.smallest_size);
             if (match.kind != SurfaceKind::none)
-                add_point(match, arm, motion.by_velocity_s(static_cast<double>(point.time_s)), per_scale2,
-                          sums[part]);
+                says[i] = add_point(match, arm, motion.by_velocity_s(static_cast<double>(point.time_s)),
+                                    per_scale2, sums[part]);
         }
     });
     for (std::size_t part = 1; part < parts; ++part) sums[0] += sums[part];
@@ -184,11 +219,12 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
     result.state = start != nullptr ? *start : predicted;
     const Matrix12d prior = predicted.covariance.inverse();
     NormalEquations sums;
+    std::vector<PointSays> says;
     Matrix12d gain = Matrix12d::Zero(), of_scan = gain;
     for (int i = 0; i < settings.iterations && !result.converged; ++i) {
         ++result.iterations;
-        sums = linearise(map, points, result.state, settings, workers);
-        const HeldDirections held = held_by(sums, settings.sigma_degenerate_m);
+        sums = linearise(map, points, result.state, settings, workers, says);
+        const HeldDirections held = held_by(sums, says, settings);
         result.degeneracy = {held.free_count(), held.weakest_sigma_m(), held.weakest()};
         const Evidence scan(sums, held);
         const Matrix12d to_state = scan.onto_held * (scan.information + prior).inverse();

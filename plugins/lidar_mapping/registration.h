@@ -19,6 +19,8 @@ struct RegistrationSettings {
     /// A direction that the scan holds no better than this is not observed; a turn counts by what it moves at
     /// the mean range.
     double sigma_degenerate_m = 0.3;
+    /// Nor is one that so few points hold alone: no others could contradict them.
+    std::size_t few = 10;
 };
 
 /// Directions of motion of which the surroundings say nothing, as on a level field or along a tunnel (after

@@ -191,6 +191,33 @@ TEST(Registration, tells_what_a_corridor_leaves_free_and_keeps_to_the_motion_the
     EXPECT_LT(found.state.covariance(1, 1), 0.01 * 0.01);
 }
 
+/// Somebody walks ahead in the corridor, or a plane has come about by chance: a few returns, which no others
+/// could contradict. A wall at its end says more.
+TEST(Registration, a_few_returns_alone_hold_no_direction) {
+    std::mt19937_64 random(12);
+    const Panel board{{6, -0.6, 0.4}, {0, 1.2, 0}, {0, 0, 1.4}};
+    Panel moved = board;
+    moved.corner_m.x() += 0.1;
+    auto panels = corridor(45);
+    panels.push_back(board);
+    const SurfaceMap map = map_of(panels, 0.01, random);
+    MotionState truth;
+    truth.T_map_base.translation_m = {0, 0.3, 1};
+    Vector12d off = Vector12d::Zero();
+    off[0] = 0.2;
+    WorkerPool workers(1);
+    for (const int returns : {8, 100}) {
+        auto sweep = sweep_of(corridor(40), truth, 2000, random);
+        const auto ahead = sweep_of({moved}, truth, returns, random);
+        sweep.insert(sweep.end(), ahead.begin(), ahead.end());
+        const Registration found = register_sweep(map, sweep, state_near(truth, off, 0.3, 0.05), {}, workers);
+        const double left_m = difference(found.state, truth)[0];
+        const bool few = returns < 10;
+        EXPECT_EQ(found.degeneracy.free_directions, few ? 1 : 0) << returns;
+        EXPECT_NEAR(left_m, few ? 0.2 : -0.1, 0.02) << returns;
+    }
+}
+
 /// Each sweep sees a little otherwise which way the corridor goes, and knows its walls to a millimetre: a
 /// hundred of them must not tell how far it is along it.
 TEST(Registration, a_hundred_sweeps_along_a_corridor_tell_nothing_of_the_way) {
