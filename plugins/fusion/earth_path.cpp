@@ -9,12 +9,12 @@
 namespace loopline::fusion {
 namespace {
 
-/// Refused fixes that are right agree for so long.
-constexpr double agreement_s = 3;
 /// What is unknown again after a re-entry.
 constexpr double re_entry_heading_rad = 0.1;
 /// A fix so much older than the pose that is settled still serves.
 constexpr double hardly_late_s = 0.01;
+/// More than so many poses are not gone back.
+constexpr std::size_t most_poses_since = 6000;
 constexpr double interpolation_sigma_m = 0.003;  // of where the vehicle was between two poses
 constexpr double nothing_known = 100;            // variance, m^2 or rad^2
 constexpr double no_height_sigma_m = 1e3;
@@ -76,7 +76,7 @@ void EarthPath::take(PoseNode node) {
 }
 
 void EarthPath::take_fix(const gnss::GnssFix& fix, bool withheld) {
-    if (!fix.is_usable()) return tally(fix, FixUse::no_position);
+    if (!fix.is_usable()) return judge({fix, withheld}, FixUse::no_position);
     if (!earth_) earth_.emplace(fix.antenna);
     waiting_.push_back({fix, withheld});
     use_waiting();
@@ -179,13 +179,14 @@ void EarthPath::use_waiting() {
 
 void EarthPath::use(const WaitingFix& waiting) {
     const gnss::GnssFix& fix = waiting.fix;
-    if (fix.stamp_ns < first_ns_) return tally(fix, FixUse::before_path);
+    if (fix.stamp_ns < first_ns_) return judge(waiting, FixUse::before_path);
     if (waiting.withheld) {
         if (committed_) look_at_withheld(fix);
-        return tally(fix, FixUse::withheld);
+        return judge(waiting, FixUse::withheld);
     }
     if (!committed_) return look_for_heading(fix);
-    tally(fix, apply(fix));
+    judge(waiting, apply(fix));
+    if (foothold_ && re_entry_.rests_on_s() > settings_.re_entry_s) leave_foothold();
     look_ahead();
 }
 
@@ -198,11 +199,21 @@ void EarthPath::commit_next() {
     const std::size_t number = *committed_ + 1;
     const StateAndMotion both = motion_to(number, state_);
     const Carried carried = carry(both, duration_s(number), fix_process_, settings_.wheels);
-    steps_.push_back(SmootherStep(*committed_, both.state, carried));
+    add_step(SmootherStep(*committed_, both.state, carried));
     state_ = upright(number, carried.after);
     ++*committed_;
-    poses_.pop_front();
-    ++dropped_;
+    if (foothold_ && !goes_back_ && *committed_ - foothold_->committed > most_poses_since) leave_foothold();
+    for (const std::size_t first = foothold_ ? foothold_->committed : *committed_; dropped_ < first;
+         ++dropped_)
+        poses_.pop_front();
+}
+
+void EarthPath::add_step(const SmootherStep& step) {
+    if (steps_count_ < steps_.size())
+        steps_.set(steps_count_, step);
+    else
+        steps_.push_back(step);
+    ++steps_count_;
 }
 
 /// The state at the latest pose, after the one at `committed_` has changed.
@@ -220,7 +231,16 @@ FixUse EarthPath::apply(const gnss::GnssFix& fix) {
     for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, interpolation_sigma_m);
 
     const Moment then = moment(fix.stamp_ns);
-    if (!update_place(fix, then.T_base_then, sigma.white_m)) return FixUse::off_the_path;
+    double off_m = 0;
+    const Placed placed = update_place(fix, then.T_base_then, sigma, off_m);
+    if (placed == Placed::fix_is_off) return FixUse::off_the_path;
+    if (placed == Placed::path_was_wrong) {
+        goes_back_ = true;
+        go_back(off_m);
+        const FixUse use = apply(fix);
+        goes_back_ = false;
+        return use;
+    }
     update_velocity(fix, then);
     used_ = {state_.T_enu_base * then.T_base_then, T_odom_at(*committed_, fix.stamp_ns),
              pose(*committed_).way_m + then.T_base_then.translation_m.norm()};
@@ -233,7 +253,7 @@ void EarthPath::follow_fix_error(gnss::FixQuality quality, const gnss::SigmaOfFi
     if (gnss::process_of(quality) == process_) return;
     process_ = gnss::process_of(quality);
     const Carried renewed = with_new_fix_error(state_, sigma.correlated_m);
-    steps_.push_back(SmootherStep(*committed_, state_, renewed));
+    add_step(SmootherStep(*committed_, state_, renewed));
     state_ = renewed.after;
 }
 
@@ -246,26 +266,32 @@ EarthPath::Moment EarthPath::moment(StampNs stamp_ns) const {
             pose(next).by_wheels};
 }
 
-/// False if the fix can't be.
-bool EarthPath::update_place(const gnss::GnssFix& fix, const Pose3& T_base_then,
-                             const Eigen::Vector3d& white_m) {
+EarthPath::Placed EarthPath::update_place(const gnss::GnssFix& fix, const Pose3& T_base_then,
+                                          const gnss::SigmaOfFix& sigma, double& off_m) {
+    const ReEntry::Fix seen{fix.stamp_ns, pose(*committed_).way_m,
+                            std::hypot(sigma.white_m.x(), sigma.correlated_m.x()), sigma.white_m.x()};
     const Eigen::Vector3d p_enu_m = earth_->p_enu_m(fix.antenna);
     const auto innovation = [&] {
-        return innovation_of_place(state_, T_base_then, fix.p_base_antenna_m, p_enu_m, white_m);
+        return innovation_of_place(state_, T_base_then, fix.p_base_antenna_m, p_enu_m, sigma.white_m);
     };
     Innovation<3> place = innovation();
+    off_m = place.off.norm();
     if (place.square() > least_squares::chi_square_quantile(3, settings_.gate)) {
-        if (!is_re_entry(fix.stamp_ns, place.off)) return false;
+        const auto verdict = re_entry_.refused(seen, place.off, settings_.re_entry_s);
+        if (verdict == ReEntry::Verdict::path_holds) return Placed::fix_is_off;
+        ++re_entries_;
+        if (verdict == ReEntry::Verdict::path_was_wrong && foothold_ && !goes_back_)
+            return Placed::path_was_wrong;
+        if (!foothold_) gain_foothold();
         doubt_the_path(place.off);
         place = innovation();
-        ++re_entries_;
     }
-    misfits_.clear();
+    re_entry_.used(seen, settings_.re_entry_s);
     used_ns_ = fix.stamp_ns;
     sum_of_squares_ += place.square() / 3;
     ++squares_;
     state_ = updated(state_, place);
-    return true;
+    return Placed::by_fix;
 }
 
 /// What the fixes are off by becomes uncertainty, and a heading that has led there is in doubt.
@@ -303,28 +329,8 @@ void EarthPath::look_at_withheld(const gnss::GnssFix& fix) {
     gap.sigma_m = state_.covariance.diagonal().head<3>().cwiseSqrt();
 }
 
-/// No fix was used for long, and those refused since the last one are off by a way that is steady or grows
-/// steadily: then it is the estimate that is wrong.
-bool EarthPath::is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m) {
-    misfits_.push_back({stamp_ns, off_m});
-    const auto n = static_cast<Eigen::Index>(misfits_.size());
-    if (n < 5 || seconds_between(misfits_.front().stamp_ns, stamp_ns) < agreement_s ||
-        seconds_between(used_ns_, stamp_ns) < settings_.re_entry_s)
-        return false;
-    Eigen::MatrixX2d when(n, 2);
-    Eigen::MatrixX3d off(n, 3);
-    for (Eigen::Index i = 0; i < n; ++i) {
-        const Misfit& misfit = misfits_[static_cast<std::size_t>(i)];
-        when.row(i) << 1, seconds_between(misfits_.front().stamp_ns, misfit.stamp_ns);
-        off.row(i) = misfit.off_m;
-    }
-    const Eigen::Matrix<double, 2, 3> line = (when.transpose() * when).ldlt().solve(when.transpose() * off);
-    if ((off - when * line).squaredNorm() < off.squaredNorm() / 16) return true;
-    misfits_.erase(misfits_.begin());
-    return false;
-}
-
 std::vector<PoseOnEarth> EarthPath::finished() {
+    if (foothold_) leave_foothold();
     for (const WaitingFix& waiting : waiting_) tally(waiting.fix, FixUse::after_path);
     waiting_ = {};
     if (!committed_) {
@@ -336,7 +342,7 @@ std::vector<PoseOnEarth> EarthPath::finished() {
     std::vector<PoseOnEarth> path(poses());
     EarthState smoothed = state_;
     path[*committed_] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};
-    for (std::size_t i = steps_.size(); i-- > 0;) {
+    for (std::size_t i = steps_count_; i-- > 0;) {
         const SmootherStep step = steps_[i];
         smoothed = smoothed_before(step, smoothed);
         path[step.pose] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};

@@ -12,6 +12,7 @@
 #include "fusion/earth_filter.h"
 #include "fusion/fused_path.h"
 #include "fusion/heading_start.h"
+#include "fusion/re_entry.h"
 #include "fusion/smoother.h"
 
 namespace loopline::fusion {
@@ -108,9 +109,28 @@ class EarthPath : public FusedPath {
         gnss::GnssFix fix;
         bool withheld = false;
     };
-    struct Misfit {
-        StampNs stamp_ns = 0;
-        Eigen::Vector3d off_m;
+    /// Where the vehicle was at the last fix that was used.
+    struct Used {
+        Pose3 T_enu_base, T_odom_base;
+        double way_m = 0;
+    };
+    /// The path as it was before what it has rested on since, which may have been reflected.
+    struct Foothold {
+        std::size_t committed = 0, steps = 0;
+        EarthState state;
+        FixErrorProcess fix_process;
+        gnss::ErrorProcess process = gnss::ErrorProcess::none;
+        StampNs used_ns = 0;
+        Used used;
+        std::vector<Gap> gaps;
+        double sum_of_squares = 0;
+        std::size_t squares = 0;
+    };
+    /// A fix that came since, and what became of it so far.
+    struct JudgedFix {
+        WaitingFix waiting;
+        FixUse use = FixUse::used;
+        bool barred = false;  ///< the path has rested on it, and was wrong
     };
     /// The vehicle at a moment between the pose at `committed_` and the next one.
     struct Moment {
@@ -118,12 +138,6 @@ class EarthPath : public FusedPath {
         Twist3 velocity;    ///< a second, along the vehicle's axes
         bool by_wheels = false;
     };
-    /// Where the vehicle was at the last fix that was used.
-    struct Used {
-        Pose3 T_enu_base, T_odom_base;
-        double way_m = 0;
-    };
-
     const PoseNode& pose(std::size_t number) const { return poses_[number - dropped_]; }
     void take(PoseNode node);
     double duration_s(std::size_t number) const;
@@ -137,19 +151,25 @@ class EarthPath : public FusedPath {
     void use_waiting();
     void settle_before(StampNs stamp_ns);
     void commit_next();
+    void add_step(const SmootherStep& step);
+    void judge(const WaitingFix& waiting, FixUse use);
+    void gain_foothold();
+    void go_back(double off_m);
+    void leave_foothold();
     void use(const WaitingFix& waiting);
     FixUse apply(const gnss::GnssFix& fix);
     void follow_fix_error(gnss::FixQuality quality, const gnss::SigmaOfFix& sigma);
     Moment moment(StampNs stamp_ns) const;
-    bool update_place(const gnss::GnssFix& fix, const Pose3& T_base_then, const Eigen::Vector3d& white_m);
+    enum class Placed { by_fix, fix_is_off, path_was_wrong };
+    Placed update_place(const gnss::GnssFix& fix, const Pose3& T_base_then, const gnss::SigmaOfFix& sigma,
+                        double& off_m);
     void doubt_the_path(const Eigen::Vector3d& off_m);
     void update_velocity(const gnss::GnssFix& fix, const Moment& then);
     void look_at_withheld(const gnss::GnssFix& fix);
     void judge_gaps(const std::vector<PoseOnEarth>& path);
     std::vector<PoseOnEarth> path_of_odometry() const;
     void look_for_heading(const gnss::GnssFix& fix);
-    void begin(const Pose3& T_enu_odom);
-    bool is_re_entry(StampNs stamp_ns, const Eigen::Vector3d& off_m);
+    void begin(const FoundHeading& found);
     void look_ahead();
 
     EarthPathSettings settings_;
@@ -166,9 +186,13 @@ class EarthPath : public FusedPath {
     std::optional<Upright> upright_;  ///< at the next pose
     FixErrorProcess fix_process_;     ///< of the slow error that is being followed
     gnss::ErrorProcess process_ = gnss::ErrorProcess::none;
-    std::vector<Misfit> misfits_;  ///< since the last fix that was used
-    StampNs used_ns_ = 0;          ///< stamp of that
+    ReEntry re_entry_;
+    StampNs used_ns_ = 0;  ///< stamp of the last fix that was used
     SetAside<SmootherStep> steps_;
+    std::size_t steps_count_ = 0;  ///< of them, that hold; what lies behind is from where the path was wrong
+    std::optional<Foothold> foothold_;  ///< until the path rests on enough
+    std::vector<JudgedFix> since_;      ///< it
+    bool goes_back_ = false;
     std::vector<Gap> gaps_;
     Used used_;
     double sum_of_squares_ = 0;

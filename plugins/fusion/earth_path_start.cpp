@@ -20,13 +20,14 @@ void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
         earth_->p_enu_m(fix.antenna), gnss::sigma_of(fix, settings_.noise), settings);
     if (!found) return;
     heading_ = {pose(before).way_m, found->sigma_rad};
-    begin(found->T_enu_local);
+    begin(*found);
 }
 
 /// The search gave the place to linearise at. All fixes since the first pose are used again, so the heading
-/// begins less certain than the search has it, and the place with nothing.
-void EarthPath::begin(const Pose3& T_enu_odom) {
-    state_.T_enu_base = T_enu_odom * poses_.front().T_odom_base;
+/// begins less certain than the search has it, and the place with nothing. Those that the search had to leave
+/// out must not be the first.
+void EarthPath::begin(const FoundHeading& found) {
+    state_.T_enu_base = found.T_enu_local * poses_.front().T_odom_base;
     StateVector sigma;  // along the vehicle's axes
     sigma << Eigen::Vector3d::Constant(first_sigma_m), settings_.sigma_roll_rad, settings_.sigma_pitch_rad,
         heading_sigma_factor * heading_.sigma_rad, Eigen::Vector3d::Zero(), settings_.wheels.first,
@@ -35,7 +36,18 @@ void EarthPath::begin(const Pose3& T_enu_odom) {
     const Matrix6d R = inertial::turned_both(state_.T_enu_base.rotation);
     state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
     committed_ = 0;
-    for (const gnss::GnssFix& fix : early_) tally(fix, apply(fix));
+    std::vector<bool> agree;
+    for (const gnss::GnssFix& fix : early_) {
+        const std::size_t before = pose_before(fix.stamp_ns);
+        agree.push_back(start_.agrees(
+            {seconds_between(first_ns_, fix.stamp_ns), T_odom_at(before, fix.stamp_ns) * fix.p_base_antenna_m,
+             earth_->p_enu_m(fix.antenna), gnss::sigma_of(fix, settings_.noise)},
+            found));
+    }
+    re_entry_.begin(early_.front().stamp_ns, 0);
+    gain_foothold();
+    for (std::size_t i = 0; i < early_.size(); ++i)
+        judge({early_[i]}, agree[i] ? apply(early_[i]) : FixUse::off_the_path);
     early_ = {};
     start_.clear();
     look_ahead();

@@ -88,7 +88,7 @@ ParameterTable FusionModule::parameters() {
               "Part of good fixes that are to pass: what is farther off than they are is refused.")
         .real("re_entry_s", s.re_entry_s, {1, 3600},
               "If no fix was used for so long, those that agree with one another for some seconds are right, "
-              "whatever the path so far says.")
+              "whatever the path so far says; earlier if the path rests on few fixes.")
         .real("late_s", s.late_s, {0, 60}, "A fix that comes later than this is of no use.")
         .real("latency_s", latency_s_, {-10, 10},
               "The log stamps fixes so much later than they are of, as when they are stamped on reception.")

@@ -68,6 +68,16 @@ void fields(Archive& archive, EarthState& state) {
 }
 
 template <class Archive>
+void fields(Archive& archive, ReEntry& re_entry) {
+    archive.each(re_entry.latest_, [](Archive& a, ReEntry::Judged& fix) {
+        a(fix.stamp_ns, fix.way_m, fix.sigma_m, fix.white_m, fix.used, fix.off_m);
+    });
+    for (ReEntry::Fix* fix : {&re_entry.begun_, &re_entry.last_used_})
+        archive(fix->stamp_ns, fix->way_m, fix->sigma_m, fix->white_m);
+    archive(re_entry.rests_on_s_);
+}
+
+template <class Archive>
 void fields(Archive& archive, HeadingStart& start) {
     archive(start.seen_);
 }
@@ -97,10 +107,20 @@ void fields(Archive& archive, EarthPath& path) {
     archive(committed);
     if (Archive::reading && committed) path.committed_ = *committed;
     archive(path.state_, path.ahead_, path.latest_motion_, path.upright_, path.fix_process_, path.process_);
-    archive.each(path.misfits_,
-                 [](Archive& a, EarthPath::Misfit& misfit) { a(misfit.stamp_ns, misfit.off_m); });
-    archive(path.used_ns_, path.steps_);
+    archive(path.re_entry_, path.used_ns_, path.steps_, path.steps_count_);
     archive(path.gaps_, path.used_.T_enu_base, path.used_.T_odom_base, path.used_.way_m);
+    bool has_foothold = path.foothold_.has_value();
+    archive(has_foothold);
+    if (has_foothold) {
+        if constexpr (Archive::reading) path.foothold_.emplace();
+        EarthPath::Foothold& then = *path.foothold_;
+        archive(then.committed, then.steps, then.state, then.fix_process, then.process, then.used_ns,
+                then.gaps, then.used.T_enu_base, then.used.T_odom_base, then.used.way_m, then.sum_of_squares,
+                then.squares);
+    }
+    archive.each(path.since_, [](Archive& a, EarthPath::JudgedFix& judged) {
+        a(judged.waiting.fix, judged.waiting.withheld, judged.use, judged.barred);
+    });
     archive(path.sum_of_squares_, path.squares_, path.re_entries_);
 }
 
@@ -145,11 +165,11 @@ void fields(Archive& archive, FusionModule& m) {
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 4, *this);
+    write_state(out, info().name, 5, *this);
 }
 
 void FusionModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 4, *this);
+    read_state(in, info().name, 5, *this);
 }
 
 }  // namespace loopline

@@ -1,9 +1,67 @@
 #include "fusion/heading_search.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace loopline::fusion {
+namespace {
+
+constexpr double agrees = 16;  // squared distance
+
+Eigen::Vector2d way_local_m(const SeenFix& a, const SeenFix& b) {
+    return (b.p_local_m - a.p_local_m).head<2>();
+}
+Eigen::Vector2d way_enu_m(const SeenFix& a, const SeenFix& b) {
+    return (b.p_enu_m - a.p_enu_m).head<2>();
+}
+
+/// Of the way between two fixes, east and north each.
+double variance_m2(const SeenFix& a, const SeenFix& b) {
+    const auto &s = a.sigma, &t = b.sigma;
+    const double tau_s = std::max(s.correlation_s, t.correlation_s),
+                 alike = std::exp(-std::abs(a.time_s - b.time_s) / tau_s), u = s.correlated_m.x(),
+                 v = t.correlated_m.x();
+    return s.white_m.x() * s.white_m.x() + t.white_m.x() * t.white_m.x() + u * u + v * v - 2 * alike * u * v;
+}
+
+}  // namespace
+
+double disagreement(const SeenFix& a, const SeenFix& b, const Eigen::Rotation2Dd& heading,
+                    double sigma_heading_rad) {
+    const Eigen::Vector2d way_m = way_local_m(a, b);
+    const double by_heading_m = sigma_heading_rad * way_m.norm();
+    return (way_enu_m(a, b) - heading * way_m).squaredNorm() /
+           (variance_m2(a, b) + by_heading_m * by_heading_m);
+}
+
+std::vector<SeenFix> agreeing(const std::vector<SeenFix>& fixes) {
+    const std::size_t n = fixes.size();
+    double farthest_m2 = 0;
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            farthest_m2 = std::max(farthest_m2, way_local_m(fixes[j], fixes[i]).squaredNorm());
+    std::vector<SeenFix> most;
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = i + 1; j < n; ++j) {
+            const Eigen::Vector2d a_m = way_local_m(fixes[i], fixes[j]), b_m = way_enu_m(fixes[i], fixes[j]);
+            const double sigma_rad = std::sqrt(variance_m2(fixes[i], fixes[j])) / a_m.norm();
+            if (4 * a_m.squaredNorm() < farthest_m2) continue;
+            const double longer_m = b_m.norm() - a_m.norm();
+            if (longer_m * longer_m > agrees * variance_m2(fixes[i], fixes[j])) continue;
+            const Eigen::Rotation2Dd heading(std::atan2(b_m.y(), b_m.x()) - std::atan2(a_m.y(), a_m.x()));
+            std::vector<SeenFix> all;
+            for (const SeenFix& fix : fixes) {
+                const bool nearer_to_i =
+                    std::abs(fix.time_s - fixes[i].time_s) < std::abs(fix.time_s - fixes[j].time_s);
+                if (disagreement(nearer_to_i ? fixes[i] : fixes[j], fix, heading, sigma_rad) < agrees)
+                    all.push_back(fix);
+            }
+            if (all.size() > most.size()) most = std::move(all);
+        }
+    }
+    return most;
+}
 
 std::optional<FoundHeading> find_heading(const std::vector<SeenFix>& fixes) {
     const auto n = static_cast<Eigen::Index>(fixes.size());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
@@ -28,5 +29,14 @@ struct FoundHeading {
 /// are nearly the same in neighbouring fixes: closed form, generalised least squares in the plane. None if
 /// the path has no extent or the covariance can't be inverted.
 std::optional<FoundHeading> find_heading(const std::vector<SeenFix>& fixes);
+
+/// Squared distance of two fixes from what a path, turned by `heading`, has between their places, normalised:
+/// 2 are expected by chance. What slow errors they share does not count.
+double disagreement(const SeenFix& a, const SeenFix& b, const Eigen::Rotation2Dd& heading,
+                    double sigma_heading_rad);
+
+/// The most that one heading explains, in the order of time: signals that were reflected are left out.
+/// (Consensus of samples: Fischler and Bolles 1981; here all pairs that are far enough apart.)
+std::vector<SeenFix> agreeing(const std::vector<SeenFix>& fixes);
 
 }  // namespace loopline::fusion
