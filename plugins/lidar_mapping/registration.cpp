@@ -113,11 +113,12 @@ double by_the_few(const std::vector<PointSays>& points, const Vector6d& motion, 
 /// must hold the direction too.
 HeldDirections held_by(const NormalEquations& sums, const std::vector<PointSays>& points,
                        const RegistrationSettings& settings) {
-    constexpr double in_doubt_m = 0.01;
+    constexpr double in_doubt_m = 0.01, and_others = 0.25;
     HeldDirections held(sums.all.pose - uncertain_chance * sums.chance.pose, sums.mean_range_m(),
                         settings.sigma_degenerate_m);
-    held.without(in_doubt_m,
-                 [&](const Vector6d& motion) { return by_the_few(points, motion, settings.few); });
+    held.without(in_doubt_m, [&](const Vector6d& motion) {
+        return (1 + and_others) * by_the_few(points, motion, settings.few);
+    });
     return held;
 }
 
