@@ -14,7 +14,7 @@ constexpr double re_entry_heading_rad = 0.1;
 /// A fix so much older than the pose that is settled still serves.
 constexpr double hardly_late_s = 0.01;
 /// More than so many poses are not gone back.
-constexpr std::size_t most_poses_since = 6000;
+constexpr std::size_t most_poses_since = 3000;
 constexpr double interpolation_sigma_m = 0.003;  // of where the vehicle was between two poses
 constexpr double nothing_known = 100;            // variance, m^2 or rad^2
 constexpr double no_height_sigma_m = 1e3;
@@ -209,11 +209,7 @@ void EarthPath::commit_next() {
 }
 
 void EarthPath::add_step(const SmootherStep& step) {
-    if (steps_count_ < steps_.size())
-        steps_.set(steps_count_, step);
-    else
-        steps_.push_back(step);
-    ++steps_count_;
+    (foothold_ ? recent_steps_ : steps_).push_back(step);
 }
 
 /// The state at the latest pose, after the one at `committed_` has changed.
@@ -342,7 +338,7 @@ std::vector<PoseOnEarth> EarthPath::finished() {
     std::vector<PoseOnEarth> path(poses());
     EarthState smoothed = state_;
     path[*committed_] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};
-    for (std::size_t i = steps_count_; i-- > 0;) {
+    for (std::size_t i = steps_.size(); i-- > 0;) {
         const SmootherStep step = steps_[i];
         smoothed = smoothed_before(step, smoothed);
         path[step.pose] = {smoothed.T_enu_base, smoothed.covariance.topLeftCorner<6, 6>()};

@@ -116,7 +116,7 @@ class EarthPath : public FusedPath {
     };
     /// The path as it was before what it has rested on since, which may have been reflected.
     struct Foothold {
-        std::size_t committed = 0, steps = 0;
+        std::size_t committed = 0;
         EarthState state;
         FixErrorProcess fix_process;
         gnss::ErrorProcess process = gnss::ErrorProcess::none;
@@ -189,9 +189,9 @@ class EarthPath : public FusedPath {
     ReEntry re_entry_;
     StampNs used_ns_ = 0;  ///< stamp of the last fix that was used
     SetAside<SmootherStep> steps_;
-    std::size_t steps_count_ = 0;  ///< of them, that hold; what lies behind is from where the path was wrong
-    std::optional<Foothold> foothold_;  ///< until the path rests on enough
-    std::vector<JudgedFix> since_;      ///< it
+    std::optional<Foothold> foothold_;     ///< until the path rests on enough
+    std::vector<JudgedFix> since_;         ///< it
+    SetAside<SmootherStep> recent_steps_;  ///< since it
     bool goes_back_ = false;
     std::vector<Gap> gaps_;
     Used used_;

@@ -12,8 +12,8 @@ constexpr double still_right = 4;
 }  // namespace
 
 void EarthPath::gain_foothold() {
-    foothold_ = Foothold{*committed_, steps_count_, state_, fix_process_,    process_,
-                         used_ns_,    used_,        gaps_,  sum_of_squares_, squares_};
+    foothold_ = Foothold{*committed_, state_, fix_process_,    process_, used_ns_,
+                         used_,       gaps_,  sum_of_squares_, squares_};
 }
 
 /// What became of a fix is told when it can't change any more.
@@ -25,6 +25,9 @@ void EarthPath::judge(const WaitingFix& waiting, FixUse use) {
 
 void EarthPath::leave_foothold() {
     foothold_.reset();
+    recent_steps_.for_each(0, recent_steps_.size(),
+                           [&](const SmootherStep& step) { steps_.push_back(step); });
+    recent_steps_ = {};
     for (const JudgedFix& judged : since_)
         if (tell_) tell_(judged.waiting.fix, judged.use);
     since_ = {};
@@ -34,7 +37,7 @@ void EarthPath::leave_foothold() {
 void EarthPath::go_back(double off_m) {
     const Foothold& then = *foothold_;
     committed_ = then.committed;
-    steps_count_ = then.steps;
+    recent_steps_ = {};
     state_ = then.state;
     state_.covariance(5, 5) += heading_in_doubt_rad * heading_in_doubt_rad;
     fix_process_ = then.fix_process;

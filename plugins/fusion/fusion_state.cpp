@@ -107,15 +107,15 @@ void fields(Archive& archive, EarthPath& path) {
     archive(committed);
     if (Archive::reading && committed) path.committed_ = *committed;
     archive(path.state_, path.ahead_, path.latest_motion_, path.upright_, path.fix_process_, path.process_);
-    archive(path.re_entry_, path.used_ns_, path.steps_, path.steps_count_);
+    archive(path.re_entry_, path.used_ns_, path.steps_, path.recent_steps_);
     archive(path.gaps_, path.used_.T_enu_base, path.used_.T_odom_base, path.used_.way_m);
     bool has_foothold = path.foothold_.has_value();
     archive(has_foothold);
     if (has_foothold) {
         if constexpr (Archive::reading) path.foothold_.emplace();
         EarthPath::Foothold& then = *path.foothold_;
-        archive(then.committed, then.steps, then.state, then.fix_process, then.process, then.used_ns,
-                then.gaps, then.used.T_enu_base, then.used.T_odom_base, then.used.way_m, then.sum_of_squares,
+        archive(then.committed, then.state, then.fix_process, then.process, then.used_ns, then.gaps,
+                then.used.T_enu_base, then.used.T_odom_base, then.used.way_m, then.sum_of_squares,
                 then.squares);
     }
     archive.each(path.since_, [](Archive& a, EarthPath::JudgedFix& judged) {
