@@ -24,8 +24,8 @@ void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
 }
 
 /// The search gave the place to linearise at. All fixes since the first pose are used again, so the heading
-/// begins less certain than the search has it, and the place with nothing. Those that the search had to leave
-/// out must not be the first.
+/// begins less certain than the search has it, and the place with nothing. The first of them count, also
+/// where they contradict the search: it sees few of those that came while the vehicle stood.
 void EarthPath::begin(const FoundHeading& found) {
     state_.T_enu_base = found.T_enu_local * poses_.front().T_odom_base;
     StateVector sigma;  // along the vehicle's axes
@@ -36,18 +36,9 @@ void EarthPath::begin(const FoundHeading& found) {
     const Matrix6d R = inertial::turned_both(state_.T_enu_base.rotation);
     state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
     committed_ = 0;
-    std::vector<bool> agree;
-    for (const gnss::GnssFix& fix : early_) {
-        const std::size_t before = pose_before(fix.stamp_ns);
-        agree.push_back(start_.agrees(
-            {seconds_between(first_ns_, fix.stamp_ns), T_odom_at(before, fix.stamp_ns) * fix.p_base_antenna_m,
-             earth_->p_enu_m(fix.antenna), gnss::sigma_of(fix, settings_.noise)},
-            found));
-    }
     re_entry_.begin(early_.front().stamp_ns, 0);
     gain_foothold();
-    for (std::size_t i = 0; i < early_.size(); ++i)
-        judge({early_[i]}, agree[i] ? apply(early_[i]) : FixUse::off_the_path);
+    for (const gnss::GnssFix& fix : early_) judge({fix}, apply(fix));
     early_ = {};
     start_.clear();
     look_ahead();

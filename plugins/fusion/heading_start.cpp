@@ -10,8 +10,8 @@ constexpr double seen_every_m = 0.3;   // way between fixes that the heading is 
 constexpr std::size_t most_seen = 80;
 constexpr double largest_misfit = 4;
 constexpr std::size_t enough_to_judge = 12;
-constexpr double most_part = 0.6;     // of the fixes, that must agree
-constexpr double contradiction = 25;  // squared distance of a fix from those that the heading was found by
+constexpr double better_among_others = 3;  // else the next reflected one could pass for a wrong heading
+constexpr double most_part = 0.6;          // of the fixes, that must agree
 
 }  // namespace
 
@@ -31,33 +31,21 @@ std::optional<FoundHeading> HeadingStart::see(double time_s, const Eigen::Vector
     for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, path_m);
     seen_.push_back({time_s, p_local_m, p_enu_m, sigma});
 
-    agreeing_ = seen_;
-    auto found = find_heading(seen_);
+    const auto found = find_heading(seen_);
     if (!found) return std::nullopt;
-    if (found->misfit > largest_misfit && seen_.size() >= enough_to_judge) {
-        std::vector<SeenFix> most = agreeing(seen_);
+    if (found->misfit <= largest_misfit) return found->sigma_rad <= settings.sigma_rad ? found : std::nullopt;
+    if (seen_.size() < enough_to_judge) return std::nullopt;
+    // Some of them were reflected.
+    const std::vector<SeenFix> most = agreeing(seen_);
+    if (static_cast<double>(most.size()) >= most_part * static_cast<double>(seen_.size())) {
         const auto without_others = find_heading(most);
-        if (without_others &&
-            static_cast<double>(most.size()) >= most_part * static_cast<double>(seen_.size())) {
-            found = without_others;
-            agreeing_ = std::move(most);
-        }
+        if (without_others && without_others->misfit <= largest_misfit &&
+            without_others->sigma_rad <= settings.sigma_rad / better_among_others)
+            return without_others;
     }
-    if (found->misfit > largest_misfit) {
-        // The path has bent since by what its odometry does not know: look at its last part only.
-        if (seen_.size() >= enough_to_judge)
-            seen_.erase(seen_.begin(), seen_.begin() + static_cast<std::ptrdiff_t>(seen_.size() / 2));
-        return std::nullopt;
-    }
-    return found->sigma_rad <= settings.sigma_rad ? found : std::nullopt;
-}
-
-bool HeadingStart::agrees(const SeenFix& fix, const FoundHeading& found) const {
-    const SeenFix* nearest = &agreeing_.front();
-    for (const SeenFix& seen : agreeing_)
-        if (std::abs(seen.time_s - fix.time_s) < std::abs(nearest->time_s - fix.time_s)) nearest = &seen;
-    return disagreement(*nearest, fix, Eigen::Rotation2Dd(found.T_enu_local.yaw_rad()), found.sigma_rad) <
-           contradiction;
+    // Or the path has bent since by what its odometry does not know: look at its last part only.
+    seen_.erase(seen_.begin(), seen_.begin() + static_cast<std::ptrdiff_t>(seen_.size() / 2));
+    return std::nullopt;
 }
 
 }  // namespace loopline::fusion

@@ -22,15 +22,12 @@ class HeadingStart {
     std::optional<FoundHeading> see(double time_s, const Eigen::Vector3d& p_local_m,
                                     const Eigen::Vector3d& p_enu_m, gnss::SigmaOfFix sigma,
                                     const Settings& settings);
-    /// Whether a fix fits what the heading was found by.
-    bool agrees(const SeenFix& fix, const FoundHeading& found) const;
-    void clear() { seen_ = agreeing_ = {}; }
+    void clear() { seen_ = {}; }
 
  private:
     template <class Archive>
     friend void fields(Archive&, HeadingStart&);
     std::vector<SeenFix> seen_;
-    std::vector<SeenFix> agreeing_;  ///< by which the heading was found; not longer than until clear()
 };
 
 }  // namespace loopline::fusion

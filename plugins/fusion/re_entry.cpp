@@ -81,8 +81,7 @@ ReEntry::Against ReEntry::against_the_path(double after_s) const {
         if (fix.used && counts(fix)) used = fix;
     if (counts(last_used_)) used = last_used_;
 
-    const double wanted_s =
-                     std::clamp(rests_factor * rests_on_s_, agreement_s, std::max(agreement_s, after_s)),
+    const double wanted_s = std::min(after_s, std::max(rests_factor * rests_on_s_, long_agreement_s)),
                  least_s = off_m < astray * (newest.way_m - used.way_m)
                                ? agreement_s
                                : std::min(long_agreement_s, wanted_s);
