@@ -132,12 +132,15 @@ class EarthPath : public FusedPath {
         FixUse use = FixUse::used;
         bool barred = false;  ///< the path has rested on it, and was wrong
     };
+    /// What a fix's place has led to.
+    enum class Placed { by_fix, fix_is_off, path_was_wrong };
     /// The vehicle at a moment between the pose at `committed_` and the next one.
     struct Moment {
         Pose3 T_base_then;  ///< seen from that pose
         Twist3 velocity;    ///< a second, along the vehicle's axes
         bool by_wheels = false;
     };
+
     const PoseNode& pose(std::size_t number) const { return poses_[number - dropped_]; }
     void take(PoseNode node);
     double duration_s(std::size_t number) const;
@@ -160,7 +163,7 @@ class EarthPath : public FusedPath {
     FixUse apply(const gnss::GnssFix& fix);
     void follow_fix_error(gnss::FixQuality quality, const gnss::SigmaOfFix& sigma);
     Moment moment(StampNs stamp_ns) const;
-    enum class Placed { by_fix, fix_is_off, path_was_wrong };
+    /// `off_m`: how far the fix is from the path.
     Placed update_place(const gnss::GnssFix& fix, const Pose3& T_base_then, const gnss::SigmaOfFix& sigma,
                         double& off_m);
     void doubt_the_path(const Eigen::Vector3d& off_m);
@@ -169,7 +172,7 @@ class EarthPath : public FusedPath {
     void judge_gaps(const std::vector<PoseOnEarth>& path);
     std::vector<PoseOnEarth> path_of_odometry() const;
     void look_for_heading(const gnss::GnssFix& fix);
-    void begin(const FoundHeading& found);
+    void begin(const Pose3& T_enu_odom);
     void look_ahead();
 
     EarthPathSettings settings_;
@@ -192,7 +195,7 @@ class EarthPath : public FusedPath {
     std::optional<Foothold> foothold_;     ///< until the path rests on enough
     std::vector<JudgedFix> since_;         ///< it
     SetAside<SmootherStep> recent_steps_;  ///< since it
-    bool goes_back_ = false;
+    bool goes_back_ = false;               ///< fixes since the foothold are being used again
     std::vector<Gap> gaps_;
     Used used_;
     double sum_of_squares_ = 0;

@@ -20,14 +20,14 @@ void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
         earth_->p_enu_m(fix.antenna), gnss::sigma_of(fix, settings_.noise), settings);
     if (!found) return;
     heading_ = {pose(before).way_m, found->sigma_rad};
-    begin(*found);
+    begin(found->T_enu_local);
 }
 
 /// The search gave the place to linearise at. All fixes since the first pose are used again, so the heading
 /// begins less certain than the search has it, and the place with nothing. The first of them count, also
 /// where they contradict the search: it sees few of those that came while the vehicle stood.
-void EarthPath::begin(const FoundHeading& found) {
-    state_.T_enu_base = found.T_enu_local * poses_.front().T_odom_base;
+void EarthPath::begin(const Pose3& T_enu_odom) {
+    state_.T_enu_base = T_enu_odom * poses_.front().T_odom_base;
     StateVector sigma;  // along the vehicle's axes
     sigma << Eigen::Vector3d::Constant(first_sigma_m), settings_.sigma_roll_rad, settings_.sigma_pitch_rad,
         heading_sigma_factor * heading_.sigma_rad, Eigen::Vector3d::Zero(), settings_.wheels.first,

@@ -45,10 +45,10 @@ std::vector<SeenFix> agreeing(const std::vector<SeenFix>& fixes) {
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t j = i + 1; j < n; ++j) {
             const Eigen::Vector2d a_m = way_local_m(fixes[i], fixes[j]), b_m = way_enu_m(fixes[i], fixes[j]);
-            const double sigma_rad = std::sqrt(variance_m2(fixes[i], fixes[j])) / a_m.norm();
             if (4 * a_m.squaredNorm() < farthest_m2) continue;
-            const double longer_m = b_m.norm() - a_m.norm();
-            if (longer_m * longer_m > agrees * variance_m2(fixes[i], fixes[j])) continue;
+            const double variance = variance_m2(fixes[i], fixes[j]), longer_m = b_m.norm() - a_m.norm();
+            if (longer_m * longer_m > agrees * variance) continue;
+            const double sigma_rad = std::sqrt(variance) / a_m.norm();
             const Eigen::Rotation2Dd heading(std::atan2(b_m.y(), b_m.x()) - std::atan2(a_m.y(), a_m.x()));
             std::vector<SeenFix> all;
             for (const SeenFix& fix : fixes) {

@@ -151,7 +151,7 @@ MotionState SweepMapping::second_after(const MotionState& first, double duration
 Twist3 SweepMapping::search_first_velocity(double duration_s) {
     RegistrationSettings rough = settings_.registration;
     rough.iterations = std::min(rough.iterations, 5);
-    rough.few = 0;
+    rough.few = 0;  // of every third point
     std::vector<SweepPoint> still = first_, few;
     for (SweepPoint& point : still) point.time_s = 0;
     for (std::size_t i = 0; i < matched_.size(); i += search_every) {
