@@ -15,6 +15,8 @@ constexpr double re_entry_heading_rad = 0.1;
 constexpr double hardly_late_s = 0.01;
 /// More than so many poses are not gone back.
 constexpr std::size_t most_poses_since = 3000;
+/// Nor is a path that rests on fixes of so many times [fusion] re_entry_s.
+constexpr double rests_on_enough = 2;
 constexpr double interpolation_sigma_m = 0.003;  // of where the vehicle was between two poses
 constexpr double nothing_known = 100;            // variance, m^2 or rad^2
 constexpr double no_height_sigma_m = 1e3;
@@ -94,6 +96,10 @@ std::optional<PoseOnEarth> EarthPath::known() const {
 /// From the pose before to this one.
 double EarthPath::duration_s(std::size_t number) const {
     return seconds_between(pose(number - 1).stamp_ns, pose(number).stamp_ns);
+}
+
+double EarthPath::speed_mps(std::size_t number) const {
+    return (pose(number).way_m - pose(number - 1).way_m) / duration_s(number);
 }
 
 /// The odometry's motion with the drift that it does not tell.
@@ -186,7 +192,7 @@ void EarthPath::use(const WaitingFix& waiting) {
     }
     if (!committed_) return look_for_heading(fix);
     judge(waiting, apply(fix));
-    if (foothold_ && re_entry_.rests_on_s() > settings_.re_entry_s) leave_foothold();
+    if (re_entry_.rests_on_s() > rests_on_enough * settings_.re_entry_s) leave_footholds();
     look_ahead();
 }
 
@@ -202,14 +208,14 @@ void EarthPath::commit_next() {
     add_step(SmootherStep(*committed_, both.state, carried));
     state_ = upright(number, carried.after);
     ++*committed_;
-    if (foothold_ && !goes_back_ && *committed_ - foothold_->committed > most_poses_since) leave_foothold();
-    for (const std::size_t first = foothold_ ? foothold_->committed : *committed_; dropped_ < first;
-         ++dropped_)
-        poses_.pop_front();
+    for (Foothold& foothold : footholds_) foothold.without = predict(number, foothold.without);
+    const auto first = [&] { return footholds_.empty() ? *committed_ : footholds_.front().committed; };
+    if (!goes_back_ && *committed_ - first() > most_poses_since) leave_footholds();
+    for (; dropped_ < first(); ++dropped_) poses_.pop_front();
 }
 
 void EarthPath::add_step(const SmootherStep& step) {
-    (foothold_ ? recent_steps_ : steps_).push_back(step);
+    (footholds_.empty() ? steps_ : recent_steps_).push_back(step);
 }
 
 /// The state at the latest pose, after the one at `committed_` has changed.
@@ -221,25 +227,26 @@ void EarthPath::look_ahead() {
 FixUse EarthPath::apply(const gnss::GnssFix& fix) {
     settle_before(fix.stamp_ns);
     if (seconds_between(fix.stamp_ns, pose(*committed_).stamp_ns) > hardly_late_s) return FixUse::late;
-    gnss::SigmaOfFix sigma = gnss::sigma_of(fix, settings_.noise);
-    if (!fix.has_height) sigma.white_m.z() = no_height_sigma_m;
-    follow_fix_error(fix.quality, sigma);
-    for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, interpolation_sigma_m);
+    PresentFix seen{fix, gnss::sigma_of(fix, settings_.noise), {}};
+    if (!fix.has_height) seen.sigma.white_m.z() = no_height_sigma_m;
+    follow_fix_error(fix.quality, seen.sigma);
+    for (double& white_m : seen.sigma.white_m) white_m = std::hypot(white_m, interpolation_sigma_m);
 
-    const Moment then = moment(fix.stamp_ns);
+    seen.then = moment(fix.stamp_ns);
     double off_m = 0;
-    const Placed placed = update_place(fix, then.T_base_then, sigma, off_m);
+    const Placed placed = update_place(seen, off_m);
     if (placed == Placed::fix_is_off) return FixUse::off_the_path;
     if (placed == Placed::path_was_wrong) {
         goes_back_ = true;
-        go_back(off_m);
+        go_back(seen, off_m);
         const FixUse use = apply(fix);
         goes_back_ = false;
         return use;
     }
-    update_velocity(fix, then);
-    used_ = {state_.T_enu_base * then.T_base_then, T_odom_at(*committed_, fix.stamp_ns),
-             pose(*committed_).way_m + then.T_base_then.translation_m.norm()};
+    update_velocity(fix, seen.then);
+    const Pose3& T_base_then = seen.then.T_base_then;
+    used_ = {state_.T_enu_base * T_base_then, T_odom_at(*committed_, fix.stamp_ns),
+             pose(*committed_).way_m + T_base_then.translation_m.norm()};
     return FixUse::used;
 }
 
@@ -262,27 +269,44 @@ EarthPath::Moment EarthPath::moment(StampNs stamp_ns) const {
             pose(next).by_wheels};
 }
 
-EarthPath::Placed EarthPath::update_place(const gnss::GnssFix& fix, const Pose3& T_base_then,
-                                          const gnss::SigmaOfFix& sigma, double& off_m) {
-    const ReEntry::Fix seen{fix.stamp_ns, pose(*committed_).way_m,
-                            std::hypot(sigma.white_m.x(), sigma.correlated_m.x()), sigma.white_m.x()};
-    const Eigen::Vector3d p_enu_m = earth_->p_enu_m(fix.antenna);
-    const auto innovation = [&] {
-        return innovation_of_place(state_, T_base_then, fix.p_base_antenna_m, p_enu_m, sigma.white_m);
-    };
-    Innovation<3> place = innovation();
+Innovation<3> EarthPath::innovation_of(const PresentFix& seen, const EarthState& state) const {
+    const auto& [fix, sigma, then] = seen;
+    Innovation<3> place = innovation_of_place(state, then.T_base_then, fix.p_base_antenna_m,
+                                              earth_->p_enu_m(fix.antenna), sigma.white_m);
+    const Eigen::Vector3d by_latency_m =
+        settings_.sigma_latency_s *
+        (state.T_enu_base.rotation * (then.T_base_then.rotation * then.of_antenna_mps(fix.p_base_antenna_m)));
+    place.covariance += by_latency_m * by_latency_m.transpose();
+    return place;
+}
+
+bool EarthPath::passes(const Innovation<3>& place) const {
+    return place.square() <= least_squares::chi_square_quantile(3, settings_.gate);
+}
+
+EarthPath::Placed EarthPath::update_place(const PresentFix& seen, double& off_m) {
+    const gnss::GnssFix& fix = seen.fix;
+    const double white_m =
+        std::hypot(seen.sigma.white_m.x(), settings_.sigma_latency_s * seen.then.velocity.shift_m.norm());
+    const ReEntry::Fix judged{fix.stamp_ns, pose(*committed_).way_m,
+                              std::hypot(white_m, seen.sigma.correlated_m.x()), white_m};
+    Innovation<3> place = innovation_of(seen, state_);
     off_m = place.off.norm();
-    if (place.square() > least_squares::chi_square_quantile(3, settings_.gate)) {
-        const auto verdict = re_entry_.refused(seen, place.off, settings_.re_entry_s);
-        if (verdict == ReEntry::Verdict::path_holds) return Placed::fix_is_off;
+    if (!passes(place)) {
+        const ReEntry before = re_entry_;
+        const auto verdict = re_entry_.refused(judged, place.off, settings_.re_entry_s);
+        const bool can_go_back = !footholds_.empty() && !goes_back_,
+                   was_wrong = can_go_back && (verdict == ReEntry::Verdict::path_was_wrong ||
+                                               others_agree_without(seen, off_m));
+        if (verdict == ReEntry::Verdict::path_holds && !was_wrong) return Placed::fix_is_off;
         ++re_entries_;
-        if (verdict == ReEntry::Verdict::path_was_wrong && foothold_ && !goes_back_)
-            return Placed::path_was_wrong;
-        if (!foothold_) gain_foothold();
+        if (was_wrong) return Placed::path_was_wrong;
+        gain_foothold(before);
         doubt_the_path(place.off);
-        place = innovation();
+        place = innovation_of(seen, state_);
     }
-    re_entry_.used(seen, settings_.re_entry_s);
+    for (Foothold& foothold : footholds_) foothold.agreeing = 0;
+    re_entry_.used(judged, settings_.re_entry_s);
     used_ns_ = fix.stamp_ns;
     sum_of_squares_ += place.square() / 3;
     ++squares_;
@@ -300,8 +324,7 @@ void EarthPath::doubt_the_path(const Eigen::Vector3d& off_m) {
 /// By Doppler shifts, where the vehicle moves.
 void EarthPath::update_velocity(const gnss::GnssFix& fix, const Moment& then) {
     if (!fix.speed_mps || !fix.course_rad || *fix.speed_mps < slow_mps) return;
-    const Eigen::Vector3d v_base_mps =
-        then.velocity.shift_m + then.velocity.turn_rad.cross(fix.p_base_antenna_m);
+    const Eigen::Vector3d v_base_mps = then.of_antenna_mps(fix.p_base_antenna_m);
     if (v_base_mps.norm() < slow_mps) return;
     const Eigen::Vector2d v_enu_mps =
         *fix.speed_mps * Eigen::Vector2d(std::cos(*fix.course_rad), std::sin(*fix.course_rad));
@@ -326,7 +349,7 @@ void EarthPath::look_at_withheld(const gnss::GnssFix& fix) {
 }
 
 std::vector<PoseOnEarth> EarthPath::finished() {
-    if (foothold_) leave_foothold();
+    leave_footholds();
     for (const WaitingFix& waiting : waiting_) tally(waiting.fix, FixUse::after_path);
     waiting_ = {};
     if (!committed_) {

@@ -39,6 +39,8 @@ struct EarthPathSettings {
     /// the filter says.
     double re_entry_s = 30;
     double late_s = 5;  ///< one that comes later than this is of no use
+    /// Of the fixes' times, new in each: they count less along the way.
+    double sigma_latency_s = 0;
 };
 
 /// The time from the last fix that was used to the last of those that were withheld after it, and how far the
@@ -116,8 +118,12 @@ class EarthPath : public FusedPath {
     };
     /// The path as it was before what it has rested on since, which may have been reflected.
     struct Foothold {
-        std::size_t committed = 0;
+        std::size_t committed = 0, steps = 0, fixes = 0;  ///< of recent_steps_, of since_
         EarthState state;
+        EarthState without;  ///< at `committed_` by the motion alone, without what came since
+        StampNs agrees_ns = 0;
+        std::size_t agreeing = 0;  ///< fixes, from then on, that agree with that and not with the path
+        ReEntry re_entry;
         FixErrorProcess fix_process;
         gnss::ErrorProcess process = gnss::ErrorProcess::none;
         StampNs used_ns = 0;
@@ -139,11 +145,22 @@ class EarthPath : public FusedPath {
         Pose3 T_base_then;  ///< seen from that pose
         Twist3 velocity;    ///< a second, along the vehicle's axes
         bool by_wheels = false;
+
+        Eigen::Vector3d of_antenna_mps(const Eigen::Vector3d& p_base_antenna_m) const {
+            return velocity.shift_m + velocity.turn_rad.cross(p_base_antenna_m);
+        }
+    };
+    /// A fix of which no more than the pose at `committed_` is earlier.
+    struct PresentFix {
+        gnss::GnssFix fix;
+        gnss::SigmaOfFix sigma;
+        Moment then;
     };
 
     const PoseNode& pose(std::size_t number) const { return poses_[number - dropped_]; }
     void take(PoseNode node);
     double duration_s(std::size_t number) const;
+    double speed_mps(std::size_t number) const;
     Motion odometry_to(std::size_t number) const;
     Motion without_what_wheels_told(Motion motion) const;
     StateAndMotion motion_to(std::size_t number, const EarthState& from, WheelUse* use = nullptr) const;
@@ -156,16 +173,19 @@ class EarthPath : public FusedPath {
     void commit_next();
     void add_step(const SmootherStep& step);
     void judge(const WaitingFix& waiting, FixUse use);
-    void gain_foothold();
-    void go_back(double off_m);
-    void leave_foothold();
+    void gain_foothold(const ReEntry& re_entry);
+    Innovation<3> innovation_without(const Foothold& foothold, const PresentFix& seen) const;
+    bool others_agree_without(const PresentFix& seen, double off_m);
+    void go_back(const PresentFix& seen, double off_m);
+    void leave_footholds();
     void use(const WaitingFix& waiting);
     FixUse apply(const gnss::GnssFix& fix);
     void follow_fix_error(gnss::FixQuality quality, const gnss::SigmaOfFix& sigma);
     Moment moment(StampNs stamp_ns) const;
+    Innovation<3> innovation_of(const PresentFix& seen, const EarthState& state) const;
+    bool passes(const Innovation<3>& place) const;
     /// `off_m`: how far the fix is from the path.
-    Placed update_place(const gnss::GnssFix& fix, const Pose3& T_base_then, const gnss::SigmaOfFix& sigma,
-                        double& off_m);
+    Placed update_place(const PresentFix& seen, double& off_m);
     void doubt_the_path(const Eigen::Vector3d& off_m);
     void update_velocity(const gnss::GnssFix& fix, const Moment& then);
     void look_at_withheld(const gnss::GnssFix& fix);
@@ -192,10 +212,10 @@ class EarthPath : public FusedPath {
     ReEntry re_entry_;
     StampNs used_ns_ = 0;  ///< stamp of the last fix that was used
     SetAside<SmootherStep> steps_;
-    std::optional<Foothold> foothold_;     ///< until the path rests on enough
-    std::vector<JudgedFix> since_;         ///< it
-    SetAside<SmootherStep> recent_steps_;  ///< since it
-    bool goes_back_ = false;               ///< fixes since the foothold are being used again
+    std::vector<Foothold> footholds_;      ///< until the path rests on enough
+    std::vector<JudgedFix> since_;         ///< the first of them
+    SetAside<SmootherStep> recent_steps_;  ///< since then
+    bool goes_back_ = false;               ///< fixes since a foothold are being used again
     std::vector<Gap> gaps_;
     Used used_;
     double sum_of_squares_ = 0;

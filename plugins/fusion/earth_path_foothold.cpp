@@ -1,4 +1,6 @@
 /// How the path goes back to where it was certain, if what it has rested on since turns out to be wrong.
+#include <cmath>
+
 #include "fusion/earth_path.h"
 
 namespace loopline::fusion {
@@ -8,23 +10,66 @@ namespace {
 constexpr double heading_in_doubt_rad = 0.1;
 /// A fix may have been right all the same if the path was off by so many of its standard deviations.
 constexpr double still_right = 4;
+constexpr std::size_t most_footholds = 4;
+/// Fixes that the path can't explain, but another one can.
+constexpr std::size_t enough_others = 5;
+constexpr double enough_others_s = 3;
+
+/// Whether a path that is known so well does not explain a fix `off_m` away by chance.
+bool is_close(const Innovation<3>& place, double off_m) {
+    constexpr double by_far = 10;
+    return by_far * std::sqrt(place.covariance.topLeftCorner<2, 2>().trace()) < off_m;
+}
 
 }  // namespace
 
-void EarthPath::gain_foothold() {
-    foothold_ = Foothold{*committed_, state_, fix_process_,    process_, used_ns_,
-                         used_,       gaps_,  sum_of_squares_, squares_};
+void EarthPath::gain_foothold(const ReEntry& re_entry) {
+    if (footholds_.size() == most_footholds) return;
+    Foothold now;
+    now.committed = *committed_;
+    now.steps = recent_steps_.size();
+    now.fixes = since_.size();
+    now.state = now.without = state_;
+    now.re_entry = re_entry;
+    now.fix_process = fix_process_;
+    now.process = process_;
+    now.used_ns = used_ns_;
+    now.used = used_;
+    now.gaps = gaps_;
+    now.sum_of_squares = sum_of_squares_;
+    now.squares = squares_;
+    footholds_.push_back(std::move(now));
+}
+
+/// Where the vehicle would be without what came since the foothold, against a fix; its slow error is another
+/// one by now.
+Innovation<3> EarthPath::innovation_without(const Foothold& foothold, const PresentFix& seen) const {
+    return innovation_of(seen, with_new_fix_error(foothold.without, seen.sigma.correlated_m).after);
+}
+
+/// A fix that the path can't explain, `off_m` away: if the path as it would be without what came since a
+/// foothold explains it and others before, more closely than by chance, they tell which was reflected.
+bool EarthPath::others_agree_without(const PresentFix& seen, double off_m) {
+    bool enough = false;
+    for (Foothold& foothold : footholds_) {
+        const Innovation<3> place = innovation_without(foothold, seen);
+        if (!passes(place) || !is_close(place, off_m)) continue;
+        if (foothold.agreeing++ == 0) foothold.agrees_ns = seen.fix.stamp_ns;
+        enough = enough || (foothold.agreeing >= enough_others &&
+                            seconds_between(foothold.agrees_ns, seen.fix.stamp_ns) >= enough_others_s);
+    }
+    return enough;
 }
 
 /// What became of a fix is told when it can't change any more.
 void EarthPath::judge(const WaitingFix& waiting, FixUse use) {
-    if (!foothold_) return tally(waiting.fix, use);
+    if (footholds_.empty()) return tally(waiting.fix, use);
     ++count_[static_cast<std::size_t>(use)];
     since_.push_back({waiting, use});
 }
 
-void EarthPath::leave_foothold() {
-    foothold_.reset();
+void EarthPath::leave_footholds() {
+    footholds_.clear();
     recent_steps_.for_each(0, recent_steps_.size(),
                            [&](const SmootherStep& step) { steps_.push_back(step); });
     recent_steps_ = {};
@@ -33,13 +78,22 @@ void EarthPath::leave_foothold() {
     since_ = {};
 }
 
-/// All fixes since then once more, without those that it was off with, by `off_m`.
-void EarthPath::go_back(double off_m) {
-    const Foothold& then = *foothold_;
+/// To the latest foothold from which the motion leads to the fix, and all fixes since then once more, without
+/// those that the path was off with, by `off_m`.
+void EarthPath::go_back(const PresentFix& seen, double off_m) {
+    while (footholds_.size() > 1 && !passes(innovation_without(footholds_.back(), seen)))
+        footholds_.pop_back();
+    const bool heading_holds = is_close(innovation_without(footholds_.back(), seen), off_m);
+    Foothold& then = footholds_.back();
     committed_ = then.committed;
-    recent_steps_ = {};
+    SetAside<SmootherStep> steps;
+    recent_steps_.for_each(0, then.steps, [&](const SmootherStep& step) { steps.push_back(step); });
+    recent_steps_ = std::move(steps);
     state_ = then.state;
-    state_.covariance(5, 5) += heading_in_doubt_rad * heading_in_doubt_rad;
+    if (!heading_holds) state_.covariance(5, 5) += heading_in_doubt_rad * heading_in_doubt_rad;
+    then.without = state_;
+    then.agreeing = 0;
+    re_entry_ = then.re_entry;
     fix_process_ = then.fix_process;
     process_ = then.process;
     used_ns_ = then.used_ns;
@@ -48,9 +102,9 @@ void EarthPath::go_back(double off_m) {
     sum_of_squares_ = then.sum_of_squares;
     squares_ = then.squares;
 
-    std::vector<JudgedFix> again;
-    std::swap(again, since_);
-    re_entry_.begin(pose(*committed_).stamp_ns, pose(*committed_).way_m);
+    const auto first = since_.begin() + static_cast<std::ptrdiff_t>(then.fixes);
+    std::vector<JudgedFix> again(first, since_.end());
+    since_.erase(first, since_.end());
     for (JudgedFix& judged : again) {
         const gnss::GnssFix& fix = judged.waiting.fix;
         const gnss::SigmaOfFix sigma = gnss::sigma_of(fix, settings_.noise);

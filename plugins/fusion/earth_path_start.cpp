@@ -1,4 +1,6 @@
 /// The beginning of the path on the Earth: until its heading is known, fixes are kept.
+#include <cmath>
+
 #include "fusion/earth_path.h"
 
 namespace loopline::fusion {
@@ -15,9 +17,12 @@ void EarthPath::look_for_heading(const gnss::GnssFix& fix) {
     HeadingStart::Settings settings{settings_.heading_sigma_rad};
     if (poses_.back().by_wheels) settings.wheels = settings_.wheels.first;
     const std::size_t before = pose_before(fix.stamp_ns);
-    const auto found = start_.see(
-        seconds_between(first_ns_, fix.stamp_ns), T_odom_at(before, fix.stamp_ns) * fix.p_base_antenna_m,
-        earth_->p_enu_m(fix.antenna), gnss::sigma_of(fix, settings_.noise), settings);
+    gnss::SigmaOfFix sigma = gnss::sigma_of(fix, settings_.noise);
+    const double by_latency_m = before + 1 < poses() ? settings_.sigma_latency_s * speed_mps(before + 1) : 0;
+    for (double& white_m : sigma.white_m) white_m = std::hypot(white_m, by_latency_m);
+    const auto found = start_.see(seconds_between(first_ns_, fix.stamp_ns),
+                                  T_odom_at(before, fix.stamp_ns) * fix.p_base_antenna_m,
+                                  earth_->p_enu_m(fix.antenna), sigma, settings);
     if (!found) return;
     heading_ = {pose(before).way_m, found->sigma_rad};
     begin(found->T_enu_local);
@@ -37,7 +42,7 @@ void EarthPath::begin(const Pose3& T_enu_odom) {
     state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
     committed_ = 0;
     re_entry_.begin(early_.front().stamp_ns, 0);
-    gain_foothold();
+    gain_foothold(re_entry_);
     for (const gnss::GnssFix& fix : early_) judge({fix}, apply(fix));
     early_ = {};
     start_.clear();

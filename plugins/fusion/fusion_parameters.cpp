@@ -92,6 +92,8 @@ ParameterTable FusionModule::parameters() {
         .real("late_s", s.late_s, {0, 60}, "A fix that comes later than this is of no use.")
         .real("latency_s", latency_s_, {-10, 10},
               "The log stamps fixes so much later than they are of, as when they are stamped on reception.")
+        .real("sigma_latency_s", s.sigma_latency_s, {0, 10},
+              "Standard deviation of that from fix to fix: they count less along the way.")
         .real("withhold_s", withhold_s_, {0, 3600},
               "Fixes are withheld for so long, again and again, to see how far the path is from them at the "
               "end of each such gap; 0: never.")

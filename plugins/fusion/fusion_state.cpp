@@ -109,15 +109,11 @@ void fields(Archive& archive, EarthPath& path) {
     archive(path.state_, path.ahead_, path.latest_motion_, path.upright_, path.fix_process_, path.process_);
     archive(path.re_entry_, path.used_ns_, path.steps_, path.recent_steps_);
     archive(path.gaps_, path.used_.T_enu_base, path.used_.T_odom_base, path.used_.way_m);
-    bool has_foothold = path.foothold_.has_value();
-    archive(has_foothold);
-    if (has_foothold) {
-        if constexpr (Archive::reading) path.foothold_.emplace();
-        EarthPath::Foothold& then = *path.foothold_;
-        archive(then.committed, then.state, then.fix_process, then.process, then.used_ns, then.gaps,
-                then.used.T_enu_base, then.used.T_odom_base, then.used.way_m, then.sum_of_squares,
-                then.squares);
-    }
+    archive.each(path.footholds_, [](Archive& a, EarthPath::Foothold& then) {
+        a(then.committed, then.steps, then.fixes, then.state, then.without, then.agrees_ns, then.agreeing,
+          then.re_entry, then.fix_process, then.process, then.used_ns, then.gaps, then.used.T_enu_base,
+          then.used.T_odom_base, then.used.way_m, then.sum_of_squares, then.squares);
+    });
     archive.each(path.since_, [](Archive& a, EarthPath::JudgedFix& judged) {
         a(judged.waiting.fix, judged.waiting.withheld, judged.use, judged.barred);
     });
@@ -165,11 +161,11 @@ void fields(Archive& archive, FusionModule& m) {
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 5, *this);
+    write_state(out, info().name, 6, *this);
 }
 
 void FusionModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 5, *this);
+    read_state(in, info().name, 6, *this);
 }
 
 }  // namespace loopline

@@ -50,8 +50,8 @@ struct Receiver {
     double outage_from_s = 1e9, outage_to_s = 1e9;  ///< since the start
     double jump_from_s = 1e9, jump_to_s = 1e9;
     Eigen::Vector3d jump_m = Eigen::Vector3d::Zero();
-    double latency_s = 0.15;
-    double scale_in_outage = 1;  ///< of the odometry
+    double latency_s = 0.15, sigma_latency_s = 0;  ///< that stamps do not tell
+    double scale_in_outage = 1;                    ///< of the odometry
 };
 
 /// Wheels beside the odometry, or alone.
@@ -127,7 +127,11 @@ inline EarthPath followed(const Drive& drive, const Receiver& receiver, std::uin
             fix.stamp_ns = fix_ns;
             fix.quality = receiver.quality;
             fix.has_position = fix.has_height = t < receiver.outage_from_s || t > receiver.outage_to_s;
-            Eigen::Vector3d p_enu_m = drive.at(fix_ns) * (p_base_antenna_m + antenna_off_m) + error_m;
+            const double late_s =
+                receiver.sigma_latency_s > 0 ? drawn(random, receiver.sigma_latency_s).x() : 0;
+            const StampNs seen_ns =
+                std::max<StampNs>(drive.stamps_ns.front(), fix_ns - std::llround(1e9 * late_s));
+            Eigen::Vector3d p_enu_m = drive.at(seen_ns) * (p_base_antenna_m + antenna_off_m) + error_m;
             if (t > receiver.jump_from_s && t < receiver.jump_to_s) p_enu_m += receiver.jump_m;
             fix.antenna = frame.geodetic(p_enu_m);
             fix.p_base_antenna_m = p_base_antenna_m;
@@ -140,6 +144,7 @@ inline EarthPath followed(const Drive& drive, const Receiver& receiver, std::uin
 inline EarthPathSettings as_simulated(const Receiver& receiver) {
     EarthPathSettings settings;
     settings.drift_m = settings.drift_rad = 0;
+    settings.sigma_latency_s = receiver.sigma_latency_s;
     for (gnss::FixNoise* noise : {&settings.noise.fixed, &settings.noise.single})
         *noise = {receiver.white_m, receiver.correlated_m, receiver.correlation_s};
     return settings;

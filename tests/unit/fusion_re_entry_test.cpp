@@ -50,6 +50,29 @@ TEST(EarthPath, reflected_signals_after_an_outage_are_not_believed) {
     EXPECT_LT(off_at_the_end_m(path, drive).norm(), 0.1);
 }
 
+// They last until they are believed; but then the way since the outage began leads to the good ones.
+TEST(EarthPath, reflected_signals_that_were_believed_are_undone_by_good_ones_that_the_motion_explains) {
+    const Drive drive(130, 2);
+    Receiver receiver;
+    receiver.outage_from_s = 25;
+    receiver.outage_to_s = 45;
+    receiver.jump_from_s = 45;
+    receiver.jump_to_s = 80;
+    receiver.jump_m = {9, -12, 5};
+    std::vector<std::optional<EarthState>> online;
+    EarthPath path = followed(drive, receiver, 4, {}, &online);
+    const Pose3 T = T_path_truth(path);
+    const auto off_m = [&](const Pose3& T_enu_base, std::size_t k) {
+        return (T_enu_base.translation_m - (T * drive.T_enu_base[k]).translation_m).norm();
+    };
+    EXPECT_GT(off_m(online[790]->T_enu_base, 790), 10) << "nothing told that they were reflected";
+    EXPECT_LT(off_m(online[840]->T_enu_base, 840), 0.2);
+    EXPECT_GT(path.count(FixUse::used), 360U) << "of some 375 good ones";
+    const auto smoothed = path.finished();
+    for (std::size_t k = 0; k < smoothed.size(); k += 20)
+        EXPECT_LT(off_m(smoothed[k].T_enu_base, k), 0.3) << k;
+}
+
 // Fixes at 5 Hz from a vehicle at 5 m/s, off by `off_m` for `duration_s`: at which one they are believed.
 struct Fixes {
     ReEntry re_entry;

@@ -27,8 +27,7 @@ TEST(EarthPath, heading_is_known_within_a_degree_after_20_m_wherever_the_vehicle
 
 // Mean of the normalised squares of 50 drives at four times, online and smoothed: 6 if all covariances are
 // right.
-TEST(EarthPath, covariances_are_right_over_50_drives) {
-    const Receiver receiver;
+void check_covariances_over_50_drives(const Receiver& receiver) {
     const EarthPathSettings settings = as_simulated(receiver);
     const Drive drive(60, 0.7);
     const std::size_t looks[] = {200, 350, 500, 590};
@@ -56,6 +55,16 @@ TEST(EarthPath, covariances_are_right_over_50_drives) {
         EXPECT_GT(smoothed_sum[i], 4.2) << i;
         EXPECT_LT(smoothed_sum[i], 7.7) << i;
     }
+}
+
+TEST(EarthPath, covariances_are_right_over_50_drives) {
+    check_covariances_over_50_drives({});
+}
+
+TEST(EarthPath, covariances_are_right_over_50_drives_with_uncertain_stamps) {
+    Receiver receiver;
+    receiver.sigma_latency_s = 0.02;  // 0.16 m at 8 m/s
+    check_covariances_over_50_drives(receiver);
 }
 
 TEST(EarthPath, multipath_is_refused_and_good_fixes_are_used) {
