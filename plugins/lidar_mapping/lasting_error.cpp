@@ -1,10 +1,16 @@
 #include "lidar_mapping/lasting_error.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 namespace loopline::lidar_mapping {
+
+Matrix6d of_coming_back(const Registration& found, const Matrix6d& before) {
+    const Eigen::Matrix<double, 6, 1> back = before * found.predicted.ldlt().solve(found.correction);
+    return back * back.transpose();
+}
 
 Matrix6d what_lasts(const Registration& found) {
     // Where the surroundings hold a sweep better than this, it is not by chance.

@@ -11,4 +11,10 @@ namespace loopline::lidar_mapping {
 /// more than chance, and all of it stays.
 Matrix6d what_lasts(const Registration& found);
 
+/// Of the motion that brings a pose back, to where the surroundings have it, after they left it free: the
+/// part of the correction that, of all that the prediction is uncertain by, `before` has to answer for, which
+/// is Registration::by_prediction of the sweep before, carried along. Where the surroundings have gone astray
+/// with the vehicle, as at the end of a tunnel, there is no correction.
+Matrix6d of_coming_back(const Registration& found, const Matrix6d& before);
+
 }  // namespace loopline::lidar_mapping

@@ -10,11 +10,11 @@ void fields(Archive& archive, LidarMappingModule& m) {
 }
 
 void LidarMappingModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 7, *this);
+    write_state(out, info().name, 8, *this);
 }
 
 void LidarMappingModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 7, *this);
+    read_state(in, info().name, 8, *this);
 }
 
 }  // namespace loopline

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "least_squares/held_directions.h"
+#include "lidar_mapping/shared_errors.h"
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -92,6 +93,9 @@ struct NormalEquations {
 /// what looks so by chance.
 struct PointSays {
     Eigen::Matrix<double, 6, 2> all = Eigen::Matrix<double, 6, 2>::Zero(), chance = all;
+    Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    double s = 0;
 };
 
 /// Chance is known in the mean; what it is in a sweep differs from that.
@@ -122,20 +126,26 @@ HeldDirections held_by(const NormalEquations& sums, const std::vector<PointSays>
     return held;
 }
 
-/// On (pose, velocity): the sweep's own optimum R^-1 g, R what is real, has the covariance R^-1 A R^-1.
+/// Of the gradient by (pose, velocity), if each point errs by itself.
+Matrix12d noise_of(const NormalEquations& sums) {
+    Matrix12d noise = sums.all.matrix();
+    noise.diagonal().array() += 1e-3;
+    return noise;
+}
+
+/// On (pose, velocity): the sweep's own optimum R^-1 g, R what is real, has the covariance R^-1 N R^-1, N the
+/// gradient's.
 struct Evidence {
     Matrix12d information;
     Vector12d gradient;
     Matrix12d onto_held = Matrix12d::Zero();  ///< of a step
 
-    Evidence(const NormalEquations& sums, const HeldDirections& held) {
+    Evidence(const NormalEquations& sums, const HeldDirections& held, const Matrix12d& noise) {
         onto_held.topLeftCorner<6, 6>() = onto_held.bottomRightCorner<6, 6>() = held.projection();
-        const Matrix12d onto = onto_held.transpose(), all = sums.all.matrix(),
-                        real = onto * (all - sums.chance.matrix()) * onto.transpose();
+        const Matrix12d onto = onto_held.transpose(),
+                        real = onto * (sums.all.matrix() - sums.chance.matrix()) * onto.transpose();
         Vector12d g;
         g << sums.to_pose, sums.to_velocity;
-        Matrix12d noise = all;
-        noise.diagonal().array() += 1e-3;
         const Eigen::LDLT<Matrix12d> ldlt(noise);
         information = real * ldlt.solve(real);
         gradient = real * ldlt.solve(onto * g);
@@ -145,6 +155,7 @@ struct Evidence {
 PointSays add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, double per_scale2,
                     NormalEquations& sums) {
     PointSays says;
+    const Vector6d before = sums.to_pose;
     const Eigen::Vector3d d = match.direction_map.cast<double>(), off = match.offset_m.cast<double>();
     const double per_variance = 1 / static_cast<double>(match.variance_m2);
     double e2 = 0, loss = 1;
@@ -177,6 +188,9 @@ PointSays add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, doubl
     sums.support += loss;
     sums.sweep += loss * static_cast<double>(match.sweep);
     sums.range_m += arm.norm();
+    says.arm_m = arm;
+    says.gradient = sums.to_pose - before;
+    says.s = s;
     return says;
 }
 
@@ -207,6 +221,12 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
     return sums[0];
 }
 
+SharedErrors errors_of(const std::vector<PointSays>& says) {
+    SharedErrors errors;
+    for (const PointSays& point : says) errors.add(point.arm_m, point.gradient, point.s);
+    return errors;
+}
+
 }  // namespace
 
 /// What the sweep leaves free is left as predicted (Schmidt 1966, consider filter). Its own zero information
@@ -222,26 +242,33 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
     NormalEquations sums;
     std::vector<PointSays> says;
     Matrix12d gain = Matrix12d::Zero(), of_scan = gain;
+    const auto step_from = [&](const MotionState& at, const Evidence& scan) {
+        of_scan = scan.information;
+        gain = scan.onto_held * (scan.information + prior).inverse();
+        const Vector12d to_predicted = difference(predicted, at);
+        return Vector12d(to_predicted + gain * (scan.gradient - scan.information * to_predicted));
+    };
     for (int i = 0; i < settings.iterations && !result.converged; ++i) {
         ++result.iterations;
-        sums = linearise(map, points, result.state, settings, workers, says);
+        const MotionState at = result.state;
+        sums = linearise(map, points, at, settings, workers, says);
         const HeldDirections held = held_by(sums, says, settings);
         result.degeneracy = {held.free_count(), held.weakest_sigma_m(), held.weakest()};
-        const Evidence scan(sums, held);
-        const Matrix12d to_state = scan.onto_held * (scan.information + prior).inverse();
-        const Vector12d to_predicted = difference(predicted, result.state),
-                        step = to_predicted + to_state * (scan.gradient - scan.information * to_predicted);
+        const Matrix12d noise = noise_of(sums);
+        Vector12d step = step_from(at, Evidence(sums, held, noise));
         if (!step.allFinite()) break;
-        gain = to_state;
-        of_scan = scan.information;
-        result.state = moved_by(result.state, step);
         result.converged =
             step.head<3>().norm() < settings.enough_m && step.segment<3>(3).norm() < settings.enough_rad;
+        if (result.converged || i + 1 == settings.iterations)
+            step = step_from(at, Evidence(sums, held, errors_of(says).covariance(noise)));
+        result.state = moved_by(at, step);
     }
     const Matrix12d left = Matrix12d::Identity() - gain * of_scan,
                     by_scan = gain * of_scan * gain.transpose(),
                     by_prediction = left * predicted.covariance * left.transpose();
     result.state.covariance = by_scan + by_prediction;
+    result.predicted = predicted.covariance.topLeftCorner<6, 6>();
+    result.correction = difference(result.state, predicted).head<6>();
     result.by_scan = by_scan.topLeftCorner<6, 6>();
     result.by_prediction = by_prediction.topLeftCorner<6, 6>();
     if (result.degeneracy.free_directions == 0) result.state.way_on_trust_m = 0;

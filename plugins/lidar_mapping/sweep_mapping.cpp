@@ -49,6 +49,7 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan, const Giv
     stands_ = stands_ && given == nullptr && standstill_.lasts(scan);
     const double duration_s = seconds_between(last_ns_, middle_ns);
     const Eigen::Vector3d before_m = last_.state.T_map_base.translation_m;
+    const Matrix6d free_before = last_.by_prediction;
     if (sweeps_ == 0)
         begin(seconds_between(scan.stamp_ns, middle_ns));
     else if (given != nullptr && duration_s > 0)
@@ -58,7 +59,7 @@ const Registration& SweepMapping::add(const lidar::SpinningScan& scan, const Giv
     else if (!stands_)
         follow_first(duration_s);
     if (sweeps_ == 1) first_ = {};
-    carry_covariance(last_.state.T_map_base.translation_m - before_m);
+    carry_covariance(last_.state.T_map_base.translation_m - before_m, free_before);
     ++sweeps_;
     last_ns_ = middle_ns;
     if (sweeps_ <= first_sweeps || is_away_from_last_added()) {
@@ -76,11 +77,12 @@ bool SweepMapping::is_away_from_last_added() const {
            inertial::log_so3(since.rotation).norm() > settings_.map_turn_rad;
 }
 
-void SweepMapping::carry_covariance(const Eigen::Vector3d& way_m) {
+void SweepMapping::carry_covariance(const Eigen::Vector3d& way_m, const Matrix6d& free_before) {
     if (sweeps_ == 0 || stands_) return;
     const Matrix6d F = inertial::carried_along(way_m);
     const bool sets_off = covariance_.isZero();
     covariance_ = F * covariance_ * F.transpose() + last_.by_prediction +
+                  of_coming_back(last_, F * free_before * F.transpose()) +
                   (sets_off ? last_.by_scan : what_lasts(last_));
 }
 

@@ -61,7 +61,7 @@ class SweepMapping {
     void search_wider(const MotionState& before, double duration_s);
     bool is_away_from_last_added() const;
     void follow_given(double duration_s, const GivenMotion& given);
-    void carry_covariance(const Eigen::Vector3d& way_m);
+    void carry_covariance(const Eigen::Vector3d& way_m, const Matrix6d& free_before);
     void add_to_map(const std::vector<SweepPoint>& points, const MotionState& state);
     void forget();
 

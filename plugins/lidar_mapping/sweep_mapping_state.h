@@ -57,9 +57,10 @@ void fields(Archive& archive, Standstill& standstill) {
 
 template <class Archive>
 void fields(Archive& archive, SweepMapping& mapping) {
-    archive(mapping.map_, mapping.first_, mapping.first_middle_s_, mapping.last_.state, mapping.covariance_,
-            mapping.sweeps_, mapping.last_ns_, mapping.forgot_at_m_, mapping.added_at_, mapping.standstill_,
-            mapping.stands_, mapping.usual_agreement_, mapping.speed_is_known_);
+    archive(mapping.map_, mapping.first_, mapping.first_middle_s_, mapping.last_.state,
+            mapping.last_.by_prediction, mapping.covariance_, mapping.sweeps_, mapping.last_ns_,
+            mapping.forgot_at_m_, mapping.added_at_, mapping.standstill_, mapping.stands_,
+            mapping.usual_agreement_, mapping.speed_is_known_);
 }
 
 template <class Archive>

@@ -3,8 +3,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <atomic>
+#include <map>
 
 #include "lidar_mapping/lasting_error.h"
+#include "lidar_mapping/shared_errors.h"
 #include "support/lidar_yard.h"
 
 using namespace loopline;
@@ -147,6 +149,72 @@ TEST(LastingError, is_what_the_surfaces_are_renewed_by_or_all_where_hardly_anyth
     // A map of this sweep alone is no older than it.
     found.age_sweeps = 0.5;
     EXPECT_LT((what_lasts(found) - found.by_scan).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+/// Of a correction, what makes up for an error of the pose before and what for an acceleration: as the mean
+/// of those drawn that give it.
+TEST(LastingError, of_coming_back_is_the_part_of_the_correction_that_the_pose_before_answers_for) {
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> normal;
+    const double free_m = 0.5, moved_m = 0.2;
+    Registration found;
+    found.predicted *= 1e-4;
+    found.predicted(0, 0) = free_m * free_m + moved_m * moved_m;
+    Matrix6d before = Matrix6d::Zero();
+    before(0, 0) = free_m * free_m;
+    for (const double correction_m : {0.0, 0.3, -1.2}) {
+        double sum_m = 0;
+        int n = 0;
+        for (int k = 0; k < 200000; ++k) {
+            const double left_free_m = free_m * normal(random),
+                         both_m = left_free_m + moved_m * normal(random);
+            if (std::abs(both_m - correction_m) > 0.05) continue;
+            sum_m += left_free_m;
+            ++n;
+        }
+        found.correction[0] = correction_m;
+        EXPECT_NEAR(std::sqrt(of_coming_back(found, before)(0, 0)), std::abs(sum_m / n), 0.01)
+            << correction_m;
+    }
+    found.correction[0] = 0.3;
+    EXPECT_LT(of_coming_back(found, 1e-6 * before).norm(), 1e-9) << "the surroundings held it before";
+}
+
+/// Points all around that err each by itself, and in one direction with their neighbours.
+TEST(SharedErrors, are_found_where_neighbours_err_together_and_nowhere_else) {
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform(0, 1);
+    constexpr int points = 4000;
+    for (const double shared : {0.0, 0.7}) {
+        Matrix12d alone = 1e-3 * Matrix12d::Identity();
+        double together = 0;
+        SharedErrors errors;
+        std::map<int, std::pair<double, double>> patches;  // error and Jacobian of each
+        for (int k = 0; k < points; ++k) {
+            const double azimuth_rad = 2 * M_PI * uniform(random),
+                         range_m = std::pow(2.0, 1 + 5 * uniform(random)), s = 0.1 * (uniform(random) - 0.5);
+            const int patch = 100 * static_cast<int>(azimuth_rad * 24 / (2 * M_PI)) +
+                              static_cast<int>(std::clamp(std::floor(std::log2(range_m)), 2.0, 5.0));
+            auto& [error, jacobian] = patches.try_emplace(patch, shared * normal(random), 0).first->second;
+            Eigen::Matrix<double, 6, 1> J;
+            J[0] = 1;
+            for (Eigen::Index axis = 1; axis < 6; ++axis) J[axis] = normal(random);
+            errors.add(range_m * Eigen::Vector3d(std::cos(azimuth_rad), std::sin(azimuth_rad), 0),
+                       J * normal(random) + error * Eigen::Matrix<double, 6, 1>::Unit(0), s);
+            Vector12d both;
+            both << J, s * J;
+            alone += both * both.transpose();
+            ++jacobian;
+        }
+        for (const auto& [number, patch] : patches) together += std::pow(shared * patch.second, 2);
+        const Matrix12d found = errors.covariance(alone);
+        const double expected = alone(0, 0) + together;
+        EXPECT_NEAR(found(0, 0) / expected, 1, 0.35) << shared;
+        for (Eigen::Index k = 1; k < 6; ++k) EXPECT_NEAR(found(k, k) / alone(k, k), 1, 0.35) << k;
+        EXPECT_GE((found - alone).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(),
+                  -1e-9 * alone.trace());
+    }
 }
 
 TEST(Registration, does_not_depend_on_the_number_of_threads) {
