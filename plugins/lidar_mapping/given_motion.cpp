@@ -15,11 +15,9 @@ Twist3 with_planar(Twist3 twist, const Twist3& planar) {
 
 MotionState predict(const MotionState& state, const GivenMotion& given, double duration_s,
                     const MotionNoise& noise) {
-    const Eigen::Matrix<double, 6, 1> accelerations =
-        (Eigen::Matrix<double, 6, 1>() << Eigen::Vector3d::Constant(noise.sigma_acceleration_mps2),
-         Eigen::Vector3d::Constant(noise.sigma_turn_radps2))
-            .finished();
     MotionState next = state;
+    expect_unevenness(next, noise);
+    const Vector6d accelerations = noise.sigmas();
     next.velocity = given.planar ? with_planar(state.velocity, given.velocity) : given.velocity;
     next.velocity_before = state.velocity;
     next.duration_s = duration_s;

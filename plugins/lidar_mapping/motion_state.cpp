@@ -1,8 +1,21 @@
 #include "lidar_mapping/motion_state.h"
 
+#include "inertial/pose_error.h"
 #include "inertial/rotation_vector.h"
 
 namespace loopline::lidar_mapping {
+
+namespace {
+
+/// By how much an acceleration changes within half a sweep, as a part of the noise of accelerations: how it
+/// is driven changes slowly, how it rolls and pitches over bumps does not.
+constexpr double driven_part = 0.05, by_bumps_part = 0.15;
+/// And how quickly: a bump is shorter than a sweep.
+constexpr double changes_per_s = 60;
+/// What is known to be as it is has a covariance that can be inverted all the same.
+constexpr double least_variance = 1e-12;
+
+}  // namespace
 
 MotionState first_state(const MotionNoise& noise) {
     MotionState state;
@@ -19,6 +32,7 @@ MotionState predict(const MotionState& state, double duration_s, const MotionNoi
     next.T_map_base = state.T_map_base * exp_se3(state.velocity * duration_s);
     next.velocity_before = state.velocity;
     next.duration_s = duration_s;
+    expect_unevenness(next, noise);
     Matrix12d F = Matrix12d::Identity();
     // An error of the attitude turns the way.
     F.block<3, 3>(0, 3) =
@@ -27,12 +41,16 @@ MotionState predict(const MotionState& state, double duration_s, const MotionNoi
     // An acceleration that is constant over the duration.
     Eigen::Matrix<double, 12, 6> G;
     G << duration_s * duration_s / 2 * Matrix6d::Identity(), duration_s * Matrix6d::Identity();
-    Eigen::Matrix<double, 6, 1> sigma;
-    sigma << Eigen::Vector3d::Constant(noise.sigma_acceleration_mps2),
-        Eigen::Vector3d::Constant(noise.sigma_turn_radps2);
     next.covariance =
-        F * state.covariance * F.transpose() + G * sigma.cwiseAbs2().asDiagonal() * G.transpose();
+        F * state.covariance * F.transpose() + G * noise.sigmas().cwiseAbs2().asDiagonal() * G.transpose();
     return next;
+}
+
+void expect_unevenness(MotionState& next, const MotionNoise& noise) {
+    next.acceleration_off = next.jerk = {};
+    next.sigma_acceleration_off = driven_part * noise.sigmas();
+    next.sigma_acceleration_off.segment<2>(3).setConstant(by_bumps_part * noise.sigma_turn_radps2);
+    next.sigma_jerk = changes_per_s * next.sigma_acceleration_off;
 }
 
 Pose3 pose_near(const MotionState& state, double after_s) {
@@ -58,6 +76,37 @@ Vector12d difference(const MotionState& to, const MotionState& from) {
         to_map * (to.velocity.shift_m - from.velocity.shift_m),
         to_map * (to.velocity.turn_rad - from.velocity.turn_rad);
     return step;
+}
+
+MotionState sweep_moved_by(const MotionState& state, const SweepVector& step) {
+    MotionState moved = moved_by(state, Vector12d(step.head<12>()));
+    const Eigen::Quaterniond to_base = state.T_map_base.rotation.conjugate();
+    moved.acceleration_off.shift_m += to_base * step.segment<3>(12);
+    moved.acceleration_off.turn_rad += to_base * step.segment<3>(15);
+    moved.jerk.shift_m += to_base * step.segment<3>(18);
+    moved.jerk.turn_rad += to_base * step.segment<3>(21);
+    return moved;
+}
+
+SweepVector sweep_difference(const MotionState& to, const MotionState& from) {
+    const Eigen::Quaterniond& to_map = from.T_map_base.rotation;
+    const Twist3 acceleration = to.acceleration_off - from.acceleration_off, jerk = to.jerk - from.jerk;
+    SweepVector step;
+    step << difference(to, from), to_map * acceleration.shift_m, to_map * acceleration.turn_rad,
+        to_map * jerk.shift_m, to_map * jerk.turn_rad;
+    return step;
+}
+
+SweepMatrix sweep_covariance(const MotionState& predicted) {
+    const Matrix6d R = inertial::turned_both(predicted.T_map_base.rotation);
+    const auto along_map = [&](const Vector6d& sigma) {
+        return Matrix6d(R * sigma.cwiseAbs2().cwiseMax(least_variance).asDiagonal() * R.transpose());
+    };
+    SweepMatrix covariance = SweepMatrix::Zero();
+    covariance.topLeftCorner<12, 12>() = predicted.covariance;
+    covariance.block<6, 6>(12, 12) = along_map(predicted.sigma_acceleration_off);
+    covariance.block<6, 6>(18, 18) = along_map(predicted.sigma_jerk);
+    return covariance;
 }
 
 }  // namespace loopline::lidar_mapping

@@ -13,28 +13,48 @@
 namespace loopline::lidar_mapping {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 using least_squares::HeldDirections;
 
-/// Of residuals e(x), x = (pose, velocity): a point seen s seconds after the middle of the sweep moves with
-/// the velocity s times as much as with the pose, so three sums over the pose's Jacobians hold all.
-struct QuadraticForm {
-    Matrix6d pose = Matrix6d::Zero(), both = Matrix6d::Zero(), velocity = Matrix6d::Zero();
+/// When in the sweep a point was seen: it moves with the velocity, the acceleration and the jerk as with the
+/// pose, times this.
+struct TimeInSweep {
+    Eigen::Vector4d factors;
+    Eigen::Matrix<double, 10, 1> products;  ///< of any two of them
+    TimeInSweep(const SweepMotion& motion, double s)
+        : factors(1, motion.by_velocity_s(s), s * s / 2, s * s * s / 6) {
+        for (int a = 0, k = 0; a < 4; ++a)
+            for (int b = a; b < 4; ++b, ++k) products[k] = factors[a] * factors[b];
+    }
+};
 
-    void add(const Vector6d& j, double s, double weight) {
-        const Matrix6d jj = weight * j * j.transpose();
-        pose += jj;
-        both += s * jj;
-        velocity += (s * s) * jj;
+/// Upper triangle of a sum of w J J', row by row, and a zero.
+using Triangle = Eigen::Matrix<double, 22, 1>;
+
+void add_to(Triangle& triangle, const Vector6d& j, double weight) {
+    for (int r = 0, k = 0; r < 6; ++r)
+        for (int c = r; c < 6; ++c, ++k) triangle[k] += weight * j[r] * j[c];
+}
+
+/// Of residuals e(x), x = (pose, velocity, acceleration, jerk): sums over the pose's Jacobians by their times
+/// hold all.
+struct QuadraticForm {
+    Eigen::Matrix<double, 22, 10> sums = Eigen::Matrix<double, 22, 10>::Zero();
+
+    void add(const Triangle& jj, const TimeInSweep& time) {
+        for (int k = 0; k < 10; ++k) sums.col(k) += time.products[k] * jj;
     }
-    void operator+=(const QuadraticForm& o) {
-        pose += o.pose;
-        both += o.both;
-        velocity += o.velocity;
+    Matrix6d block(int k) const {
+        Matrix6d m;
+        for (int r = 0, i = 0; r < 6; ++r)
+            for (int c = r; c < 6; ++c, ++i) m(r, c) = m(c, r) = sums(i, k);
+        return m;
     }
-    Matrix12d matrix() const {
-        Matrix12d m;
-        m << pose, both, both, velocity;
+    Matrix6d pose() const { return block(0); }
+    SweepMatrix matrix() const {
+        SweepMatrix m;
+        for (int a = 0, k = 0; a < 4; ++a)
+            for (int b = a; b < 4; ++b, ++k)
+                m.block<6, 6>(6 * a, 6 * b) = m.block<6, 6>(6 * b, 6 * a) = block(k);
         return m;
     }
 };
@@ -44,43 +64,15 @@ struct QuadraticForm {
 /// kept beside. (Errors in variables; corrected least squares: Fuller 1987, "Measurement error models", 1.2.)
 struct NormalEquations {
     QuadraticForm all, chance;
-    Vector6d to_pose = Vector6d::Zero(), to_velocity = Vector6d::Zero();
+    Eigen::Matrix<double, 6, 4> gradient = Eigen::Matrix<double, 6, 4>::Zero();
     double squares = 0, support = 0, range_m = 0, sweep = 0;
     int used = 0;
 
     double mean_range_m() const { return std::max(1.0, range_m / std::max(1, used)); }
-
-    static Vector6d jacobian(const Eigen::Vector3d& n, const Eigen::Vector3d& arm) {
-        Vector6d j;
-        j << n, arm.cross(n);
-        return j;
-    }
-    void add_gradient(const Vector6d& j, double s, double weighted_e) {
-        to_pose -= weighted_e * j;
-        to_velocity -= (s * weighted_e) * j;
-    }
-    /// Both return the Jacobian.
-    /// A residual `e` along `n`, at `arm` from the vehicle: de = n . shift + (arm x n) . turn.
-    Vector6d add(const Eigen::Vector3d& n, const Eigen::Vector3d& arm, double s, double e, double weight) {
-        const Vector6d j = jacobian(n, arm);
-        all.add(j, s, weight);
-        add_gradient(j, s, weight * e);
-        return j;
-    }
-    /// The normal errs towards `across`, `weight` holds the variance of that; `offset` is the return's from
-    /// the surface.
-    Vector6d add_chance(const Eigen::Vector3d& across, const Eigen::Vector3d& arm, double s, double offset_m,
-                        double weight) {
-        const Vector6d j = jacobian(across, arm);
-        chance.add(j, s, weight);
-        add_gradient(j, s, -weight * offset_m);
-        return j;
-    }
     void operator+=(const NormalEquations& o) {
-        all += o.all;
-        chance += o.chance;
-        to_pose += o.to_pose;
-        to_velocity += o.to_velocity;
+        all.sums += o.all.sums;
+        chance.sums += o.chance.sums;
+        gradient += o.gradient;
         squares += o.squares;
         support += o.support;
         range_m += o.range_m;
@@ -89,13 +81,50 @@ struct NormalEquations {
     }
 };
 
+/// What a point at `arm_m` from the vehicle says about the pose.
+class OnePoint {
+ public:
+    explicit OnePoint(const Eigen::Vector3d& arm_m) : arm_m_(arm_m) {}
+    /// A residual `e` along `n`: de = n . shift + (arm x n) . turn. Returns the Jacobian.
+    Vector6d add(const Eigen::Vector3d& n, double e_m, double weight) {
+        const Vector6d j = jacobian(n);
+        add_to(all_, j, weight);
+        gradient_ -= weight * e_m * j;
+        return j;
+    }
+    /// The normal errs towards `across`, `weight` holds the variance of that; `offset` is the return's from
+    /// the surface.
+    Vector6d add_chance(const Eigen::Vector3d& across, double offset_m, double weight) {
+        const Vector6d j = jacobian(across);
+        add_to(chance_, j, weight);
+        gradient_ += weight * offset_m * j;
+        return j;
+    }
+    const Vector6d& gradient() const { return gradient_; }
+    void add_to_sums(const TimeInSweep& time, NormalEquations& sums) const {
+        sums.all.add(all_, time);
+        sums.chance.add(chance_, time);
+        sums.gradient += gradient_ * time.factors.transpose();
+    }
+
+ private:
+    Vector6d jacobian(const Eigen::Vector3d& n) const {
+        Vector6d j;
+        j << n, arm_m_.cross(n);
+        return j;
+    }
+    Eigen::Vector3d arm_m_;
+    Triangle all_ = Triangle::Zero(), chance_ = Triangle::Zero();
+    Vector6d gradient_ = Vector6d::Zero();
+};
+
 /// What one point says about the pose: Jacobians by the standard deviation, an edge has two, and those of
 /// what looks so by chance.
 struct PointSays {
     Eigen::Matrix<double, 6, 2> all = Eigen::Matrix<double, 6, 2>::Zero(), chance = all;
     Eigen::Vector3d arm_m = Eigen::Vector3d::Zero();
     Vector6d gradient = Vector6d::Zero();
-    double s = 0;
+    Eigen::Vector4d factors = Eigen::Vector4d::Zero();
 };
 
 /// Chance is known in the mean; what it is in a sweep differs from that.
@@ -118,7 +147,7 @@ double by_the_few(const std::vector<PointSays>& points, const Vector6d& motion, 
 HeldDirections held_by(const NormalEquations& sums, const std::vector<PointSays>& points,
                        const RegistrationSettings& settings) {
     constexpr double in_doubt_m = 0.01, and_others = 0.25;
-    HeldDirections held(sums.all.pose - uncertain_chance * sums.chance.pose, sums.mean_range_m(),
+    HeldDirections held(sums.all.pose() - uncertain_chance * sums.chance.pose(), sums.mean_range_m(),
                         settings.sigma_degenerate_m);
     held.without(in_doubt_m, [&](const Vector6d& motion) {
         return (1 + and_others) * by_the_few(points, motion, settings.few);
@@ -126,36 +155,35 @@ HeldDirections held_by(const NormalEquations& sums, const std::vector<PointSays>
     return held;
 }
 
-/// Of the gradient by (pose, velocity), if each point errs by itself.
-Matrix12d noise_of(const NormalEquations& sums) {
-    Matrix12d noise = sums.all.matrix();
+/// Of the gradient, if each point errs by itself.
+SweepMatrix noise_of(const NormalEquations& sums) {
+    SweepMatrix noise = sums.all.matrix();
     noise.diagonal().array() += 1e-3;
     return noise;
 }
 
-/// On (pose, velocity): the sweep's own optimum R^-1 g, R what is real, has the covariance R^-1 N R^-1, N the
-/// gradient's.
+/// On all that undistorts the sweep: its own optimum R^-1 g, R what is real, has the covariance R^-1 N R^-1,
+/// N the gradient's.
 struct Evidence {
-    Matrix12d information;
-    Vector12d gradient;
-    Matrix12d onto_held = Matrix12d::Zero();  ///< of a step
+    SweepMatrix information;
+    SweepVector gradient;
+    SweepMatrix onto_held = SweepMatrix::Zero();  ///< of a step
 
-    Evidence(const NormalEquations& sums, const HeldDirections& held, const Matrix12d& noise) {
-        onto_held.topLeftCorner<6, 6>() = onto_held.bottomRightCorner<6, 6>() = held.projection();
-        const Matrix12d onto = onto_held.transpose(),
-                        real = onto * (sums.all.matrix() - sums.chance.matrix()) * onto.transpose();
-        Vector12d g;
-        g << sums.to_pose, sums.to_velocity;
-        const Eigen::LDLT<Matrix12d> ldlt(noise);
+    Evidence(const NormalEquations& sums, const HeldDirections& held, const SweepMatrix& noise) {
+        for (int at = 0; at < sweep_errors; at += 6) onto_held.block<6, 6>(at, at) = held.projection();
+        const SweepMatrix onto = onto_held.transpose(),
+                          real = onto * (sums.all.matrix() - sums.chance.matrix()) * onto.transpose();
+        const Eigen::Map<const SweepVector> g(sums.gradient.data());
+        const Eigen::LDLT<SweepMatrix> ldlt(noise);
         information = real * ldlt.solve(real);
         gradient = real * ldlt.solve(onto * g);
     }
 };
 
-PointSays add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, double s, double per_scale2,
-                    NormalEquations& sums) {
+PointSays add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, const TimeInSweep& time,
+                    double per_scale2, NormalEquations& sums) {
     PointSays says;
-    const Vector6d before = sums.to_pose;
+    OnePoint point(arm);
     const Eigen::Vector3d d = match.direction_map.cast<double>(), off = match.offset_m.cast<double>();
     const double per_variance = 1 / static_cast<double>(match.variance_m2);
     double e2 = 0, loss = 1;
@@ -164,13 +192,13 @@ PointSays add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, doubl
         e2 = e * e * per_variance;
         loss = 1 / (1 + e2 * per_scale2);
         const double w = per_variance * loss;
-        says.all.col(0) = std::sqrt(w) * sums.add(d, arm, s, e, w);
+        says.all.col(0) = std::sqrt(w) * point.add(d, e, w);
         const Eigen::Vector3d along = match.along_map.cast<double>(),
                               beside = match.beside_map.cast<double>();
         const double w_along = w * static_cast<double>(match.turn_along),
                      w_beside = w * static_cast<double>(match.turn_beside);
-        says.chance.col(0) = std::sqrt(w_along) * sums.add_chance(along, arm, s, along.dot(off), w_along);
-        says.chance.col(1) = std::sqrt(w_beside) * sums.add_chance(beside, arm, s, beside.dot(off), w_beside);
+        says.chance.col(0) = std::sqrt(w_along) * point.add_chance(along, along.dot(off), w_along);
+        says.chance.col(1) = std::sqrt(w_beside) * point.add_chance(beside, beside.dot(off), w_beside);
         sums.squares += e2;
     } else {
         // Both directions across the edge.
@@ -180,17 +208,18 @@ PointSays add_point(const SurfaceMatch& match, const Eigen::Vector3d& arm, doubl
         loss = 1 / (1 + e2 * per_scale2);
         const double w = per_variance * loss;
         const Eigen::Vector3d a = distance > 1e-9 ? Eigen::Vector3d(across / distance) : d.unitOrthogonal();
-        says.all.col(0) = std::sqrt(w) * sums.add(a, arm, s, distance, w);
-        says.all.col(1) = std::sqrt(w) * sums.add(d.cross(a), arm, s, 0, w);
+        says.all.col(0) = std::sqrt(w) * point.add(a, distance, w);
+        says.all.col(1) = std::sqrt(w) * point.add(d.cross(a), 0, w);
         sums.squares += e2 / 2;
     }
+    point.add_to_sums(time, sums);
     ++sums.used;
     sums.support += loss;
     sums.sweep += loss * static_cast<double>(match.sweep);
     sums.range_m += arm.norm();
     says.arm_m = arm;
-    says.gradient = sums.to_pose - before;
-    says.s = s;
+    says.gradient = point.gradient();
+    says.factors = time.factors;
     return says;
 }
 
@@ -213,8 +242,8 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
             const SurfaceMatch match = map.find(
                 {state.T_map_base.translation_m + arm, beams * point.beam_base}, settings.smallest_size);
             if (match.kind != SurfaceKind::none)
-                says[i] = add_point(match, arm, motion.by_velocity_s(static_cast<double>(point.time_s)),
-                                    per_scale2, sums[part]);
+                says[i] = add_point(match, arm, {motion, static_cast<double>(point.time_s)}, per_scale2,
+                                    sums[part]);
         }
     });
     for (std::size_t part = 1; part < parts; ++part) sums[0] += sums[part];
@@ -223,7 +252,10 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
 
 SharedErrors errors_of(const std::vector<PointSays>& says) {
     SharedErrors errors;
-    for (const PointSays& point : says) errors.add(point.arm_m, point.gradient, point.s);
+    for (const PointSays& point : says) {
+        const Eigen::Matrix<double, 6, 4> gradient = point.gradient * point.factors.transpose();
+        errors.add(point.arm_m, Eigen::Map<const SweepVector>(gradient.data()));
+    }
     return errors;
 }
 
@@ -238,15 +270,15 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
                             WorkerPool& workers, const MotionState* start) {
     Registration result;
     result.state = start != nullptr ? *start : predicted;
-    const Matrix12d prior = predicted.covariance.inverse();
+    const SweepMatrix before = sweep_covariance(predicted), prior = before.inverse();
     NormalEquations sums;
     std::vector<PointSays> says;
-    Matrix12d gain = Matrix12d::Zero(), of_scan = gain;
+    SweepMatrix gain = SweepMatrix::Zero(), of_scan = gain;
     const auto step_from = [&](const MotionState& at, const Evidence& scan) {
         of_scan = scan.information;
         gain = scan.onto_held * (scan.information + prior).inverse();
-        const Vector12d to_predicted = difference(predicted, at);
-        return Vector12d(to_predicted + gain * (scan.gradient - scan.information * to_predicted));
+        const SweepVector to_predicted = sweep_difference(predicted, at);
+        return SweepVector(to_predicted + gain * (scan.gradient - scan.information * to_predicted));
     };
     for (int i = 0; i < settings.iterations && !result.converged; ++i) {
         ++result.iterations;
@@ -254,19 +286,19 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
         sums = linearise(map, points, at, settings, workers, says);
         const HeldDirections held = held_by(sums, says, settings);
         result.degeneracy = {held.free_count(), held.weakest_sigma_m(), held.weakest()};
-        const Matrix12d noise = noise_of(sums);
-        Vector12d step = step_from(at, Evidence(sums, held, noise));
+        const SweepMatrix noise = noise_of(sums);
+        SweepVector step = step_from(at, Evidence(sums, held, noise));
         if (!step.allFinite()) break;
         result.converged =
             step.head<3>().norm() < settings.enough_m && step.segment<3>(3).norm() < settings.enough_rad;
         if (result.converged || i + 1 == settings.iterations)
             step = step_from(at, Evidence(sums, held, errors_of(says).covariance(noise)));
-        result.state = moved_by(at, step);
+        result.state = sweep_moved_by(at, step);
     }
-    const Matrix12d left = Matrix12d::Identity() - gain * of_scan,
-                    by_scan = gain * of_scan * gain.transpose(),
-                    by_prediction = left * predicted.covariance * left.transpose();
-    result.state.covariance = by_scan + by_prediction;
+    const SweepMatrix left = SweepMatrix::Identity() - gain * of_scan,
+                      by_scan = gain * of_scan * gain.transpose(),
+                      by_prediction = left * before * left.transpose();
+    result.state.covariance = (by_scan + by_prediction).topLeftCorner<12, 12>();
     result.predicted = predicted.covariance.topLeftCorner<6, 6>();
     result.correction = difference(result.state, predicted).head<6>();
     result.by_scan = by_scan.topLeftCorner<6, 6>();

@@ -11,26 +11,25 @@ constexpr double first_ring_m = 8;  // each is twice as far
 
 }  // namespace
 
-void SharedErrors::add(const Eigen::Vector3d& arm_m, const Eigen::Matrix<double, 6, 1>& gradient, double s) {
+void SharedErrors::add(const Eigen::Vector3d& arm_m, const SweepVector& gradient) {
     const double turns = std::atan2(arm_m.y(), arm_m.x()) / (2 * M_PI) + 0.5;
     const auto sector = std::min(static_cast<std::size_t>(turns * sectors), sectors - 1);
     std::size_t ring = 0;
     for (double end_m = first_ring_m; ring + 1 < rings && arm_m.norm() >= end_m; end_m *= 2) ++ring;
-    Vector12d both;
-    both << gradient, s * gradient;
-    clusters_[sector * rings + ring] += both;
+    clusters_[sector * rings + ring] += gradient;
 }
 
 /// With V such that V' alone V = I and V' S V = diag(lambda), S the sum over clusters of g g'.
-Matrix12d SharedErrors::covariance(const Matrix12d& alone) const {
+SweepMatrix SharedErrors::covariance(const SweepMatrix& alone) const {
     // The largest eigenvalue of so few clusters that err by chance (Marchenko and Pastur 1967).
-    static const double by_chance = std::pow(1 + std::sqrt(12.0 / (sectors * rings)), 2);
-    Matrix12d together = Matrix12d::Zero();
-    for (const Vector12d& g : clusters_) together += g * g.transpose();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix12d> eigen(together, alone);
-    if (!(eigen.eigenvalues()[11] > by_chance)) return alone;
-    const Vector12d lambda = (eigen.eigenvalues().array() + (1 - by_chance)).cwiseMax(1.0);
-    const Matrix12d half = alone * eigen.eigenvectors();
+    static const double by_chance =
+        std::pow(1 + std::sqrt(static_cast<double>(sweep_errors) / (sectors * rings)), 2);
+    SweepMatrix together = SweepMatrix::Zero();
+    for (const SweepVector& g : clusters_) together += g * g.transpose();
+    const Eigen::GeneralizedSelfAdjointEigenSolver<SweepMatrix> eigen(together, alone);
+    if (!(eigen.eigenvalues()[sweep_errors - 1] > by_chance)) return alone;
+    const SweepVector lambda = (eigen.eigenvalues().array() + (1 - by_chance)).cwiseMax(1.0);
+    const SweepMatrix half = alone * eigen.eigenvectors();
     return half * lambda.asDiagonal() * half.transpose();
 }
 

@@ -10,17 +10,16 @@ namespace loopline::lidar_mapping {
 
 class SharedErrors {
  public:
-    /// What a point at `arm_m` from the vehicle adds to the gradient by (shift, turn), and `s` times as much
-    /// by the velocity.
-    void add(const Eigen::Vector3d& arm_m, const Eigen::Matrix<double, 6, 1>& gradient, double s);
+    /// What a point at `arm_m` from the vehicle adds to the gradient by all that undistorts a sweep.
+    void add(const Eigen::Vector3d& arm_m, const SweepVector& gradient);
     /// The gradient's covariance: `alone`, if each point errs by itself, and more in directions in which
     /// neighbours pull together (clusters of Liang and Zeger 1986, "Longitudinal data analysis using
     /// generalized linear models").
-    Matrix12d covariance(const Matrix12d& alone) const;
+    SweepMatrix covariance(const SweepMatrix& alone) const;
 
  private:
     static constexpr std::size_t sectors = 24, rings = 4;
-    std::vector<Vector12d> clusters_ = std::vector<Vector12d>(sectors * rings, Vector12d::Zero());
+    std::vector<SweepVector> clusters_ = std::vector<SweepVector>(sectors * rings, SweepVector::Zero());
 };
 
 }  // namespace loopline::lidar_mapping

@@ -51,6 +51,47 @@ TEST(MotionState, difference_undoes_a_step) {
     EXPECT_LT((difference(moved_by(state, step), state) - step).norm(), 1e-12);
 }
 
+TEST(MotionState, difference_within_a_sweep_undoes_a_step) {
+    MotionState state = driving();
+    state.jerk = {{1, 2, 3}, {4, 5, 6}};
+    SweepVector step;
+    for (Eigen::Index i = 0; i < sweep_errors; ++i) step[i] = 0.1 * std::sin(1.0 + static_cast<double>(i));
+    EXPECT_LT((sweep_difference(sweep_moved_by(state, step), state) - step).norm(), 1e-12);
+}
+
+/// Springs let a vehicle roll and pitch, whichever way it stands on the map.
+TEST(MotionState, expects_more_of_roll_and_pitch_than_of_the_heading) {
+    MotionState state = driving();
+    state.T_map_base.rotation = inertial::exp_so3({0, 0, 1.2});
+    state.covariance = Matrix12d::Identity();
+    const SweepMatrix covariance = sweep_covariance(predict(state, 0.1, {}));
+    for (const Eigen::Index at : {12, 18}) {
+        const Eigen::Matrix3d turn = covariance.block<3, 3>(at + 3, at + 3);
+        EXPECT_NEAR(turn(0, 0) / turn(1, 1), 1, 1e-3);
+        EXPECT_GT(turn(0, 0), 5 * turn(2, 2));
+        EXPECT_LT(std::abs(turn(0, 1)), 1e-3 * turn(0, 0));
+    }
+}
+
+TEST(SweepMotion, is_a_cubic_with_the_rates_it_is_said_to_have) {
+    MotionState state = driving();
+    state.velocity_before = {{6, 0.3, 0}, {0, -0.2, 0.1}};
+    state.duration_s = 0.08;
+    state.acceleration_off = {{1, 2, 3}, {0.1, 0.2, 0.3}};
+    state.jerk = {{30, -20, 10}, {3, 2, -1}};
+    const SweepMotion motion(state);
+    const double h = 0.01;
+    const Twist3 before = motion.after(-h), there = motion.after(0), after = motion.after(h);
+    EXPECT_EQ(there.shift_m.norm() + there.turn_rad.norm(), 0);
+    const Twist3 acceleration = (before + after) * (1 / (h * h));
+    const Twist3 mean = (state.velocity - state.velocity_before) * (1 / state.duration_s);
+    EXPECT_LT((acceleration.shift_m - mean.shift_m - state.acceleration_off.shift_m).norm(), 1e-9);
+    EXPECT_LT((acceleration.turn_rad - mean.turn_rad - state.acceleration_off.turn_rad).norm(), 1e-9);
+    const Twist3 odd = (after - before) * 0.5 - state.velocity * h;
+    EXPECT_LT((odd.shift_m * (6 / (h * h * h)) - state.jerk.shift_m).norm(), 1e-7);
+    EXPECT_LT((odd.turn_rad * (6 / (h * h * h)) - state.jerk.turn_rad).norm(), 1e-7);
+}
+
 TEST(SweepMotion, moves_with_the_velocity_as_differences_say) {
     MotionState state = driving();
     state.velocity_before = {{6, 0.3, 0}, {0, -0.2, 0.1}};

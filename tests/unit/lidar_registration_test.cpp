@@ -80,6 +80,41 @@ TEST(Registration, undistorts_by_the_acceleration_since_the_sweep_before) {
     EXPECT_GT(as_constant.segment<3>(3).norm(), 10 * left.segment<3>(3).norm());
 }
 
+/// As over bumps: nothing told it before.
+TEST(Registration, undistorts_by_what_the_sweep_shows_of_its_acceleration_and_jerk) {
+    std::mt19937_64 random(8);
+    const auto panels = yard();
+    const SurfaceMap map = map_of(panels, 0, random);
+    MotionState truth = driving();
+    truth.velocity_before = {{7.9, 0.2, -0.1}, {0.05, -0.1, 0.55}};
+    truth.duration_s = 0.1;
+    truth.acceleration_off = {{0.2, -0.3, 0.4}, {0.5, -0.6, 0.02}};
+    truth.jerk = {{3, -5, 4}, {30, -25, 0.5}};
+    const auto sweep = sweep_of(panels, truth, 4000, random);
+    WorkerPool workers(1);
+    Vector12d off;
+    off << 0.05, -0.04, 0.03, 0.01, -0.005, 0.01, 0.3, -0.2, 0.1, 0.03, 0.05, -0.05;
+    MotionState predicted = state_near(truth, off, 1, 0.2);
+    MotionNoise over_bumps;
+    over_bumps.sigma_turn_radps2 = 3;
+    expect_unevenness(predicted, over_bumps);
+    const auto worst_turn_rad = [&] {
+        const MotionState found = register_sweep(map, sweep, predicted, to_the_end(), workers).state;
+        EXPECT_LT((found.T_map_base.translation_m - truth.T_map_base.translation_m).norm(), 0.001);
+        double worst_rad = 0;
+        for (const double s : {-0.05, -0.025, 0.0, 0.025, 0.05}) {
+            const Pose3 beside = pose_near(truth, s).inverse() * pose_near(found, s);
+            worst_rad = std::max(worst_rad, inertial::log_so3(beside.rotation).norm());
+        }
+        return worst_rad;
+    };
+    const double by_the_sweep_rad = worst_turn_rad();
+    EXPECT_LT(by_the_sweep_rad, 0.02 * deg);
+    predicted.sigma_acceleration_off.setZero();
+    predicted.sigma_jerk.setZero();
+    EXPECT_GT(worst_turn_rad(), 2 * by_the_sweep_rad);
+}
+
 /// After a jerk the prediction is far off: large cubes draw the sweep in, small ones then find its place.
 TEST(Registration, large_cubes_draw_in_what_is_far_off) {
     std::mt19937_64 random(12);
@@ -187,7 +222,7 @@ TEST(SharedErrors, are_found_where_neighbours_err_together_and_nowhere_else) {
     std::uniform_real_distribution<double> uniform(0, 1);
     constexpr int points = 4000;
     for (const double shared : {0.0, 0.7}) {
-        Matrix12d alone = 1e-3 * Matrix12d::Identity();
+        SweepMatrix alone = 1e-3 * SweepMatrix::Identity();
         double together = 0;
         SharedErrors errors;
         std::map<int, std::pair<double, double>> patches;  // error and Jacobian of each
@@ -197,18 +232,19 @@ TEST(SharedErrors, are_found_where_neighbours_err_together_and_nowhere_else) {
             const int patch = 100 * static_cast<int>(azimuth_rad * 24 / (2 * M_PI)) +
                               static_cast<int>(std::clamp(std::floor(std::log2(range_m)), 2.0, 5.0));
             auto& [error, jacobian] = patches.try_emplace(patch, shared * normal(random), 0).first->second;
-            Eigen::Matrix<double, 6, 1> J;
+            Vector6d J;
             J[0] = 1;
             for (Eigen::Index axis = 1; axis < 6; ++axis) J[axis] = normal(random);
+            const auto over_time = [s](const Vector6d& j) {
+                return (SweepVector() << j, s * j, s * s / 2 * j, s * s * s / 6 * j).finished();
+            };
             errors.add(range_m * Eigen::Vector3d(std::cos(azimuth_rad), std::sin(azimuth_rad), 0),
-                       J * normal(random) + error * Eigen::Matrix<double, 6, 1>::Unit(0), s);
-            Vector12d both;
-            both << J, s * J;
-            alone += both * both.transpose();
+                       over_time(J * normal(random) + error * Vector6d::Unit(0)));
+            alone += over_time(J) * over_time(J).transpose();
             ++jacobian;
         }
         for (const auto& [number, patch] : patches) together += std::pow(shared * patch.second, 2);
-        const Matrix12d found = errors.covariance(alone);
+        const SweepMatrix found = errors.covariance(alone);
         const double expected = alone(0, 0) + together;
         EXPECT_NEAR(found(0, 0) / expected, 1, 0.35) << shared;
         for (Eigen::Index k = 1; k < 6; ++k) EXPECT_NEAR(found(k, k) / alone(k, k), 1, 0.35) << k;
