@@ -192,7 +192,10 @@ void EarthPath::use(const WaitingFix& waiting) {
     }
     if (!committed_) return look_for_heading(fix);
     judge(waiting, apply(fix));
-    if (re_entry_.rests_on_s() > rests_on_enough * settings_.re_entry_s) leave_footholds();
+    if (re_entry_.rests_on_s() > rests_on_enough * settings_.re_entry_s) {
+        weigh_latest_re_entry();
+        leave_footholds();
+    }
     look_ahead();
 }
 
@@ -302,6 +305,7 @@ EarthPath::Placed EarthPath::update_place(const PresentFix& seen, double& off_m)
         ++re_entries_;
         if (was_wrong) return Placed::path_was_wrong;
         gain_foothold(before);
+        if (verdict == ReEntry::Verdict::contradiction) remember_contradiction(seen, off_m);
         doubt_the_path(place.off);
         place = innovation_of(seen, state_);
     }
@@ -349,6 +353,7 @@ void EarthPath::look_at_withheld(const gnss::GnssFix& fix) {
 }
 
 std::vector<PoseOnEarth> EarthPath::finished() {
+    weigh_latest_re_entry();
     leave_footholds();
     for (const WaitingFix& waiting : waiting_) tally(waiting.fix, FixUse::after_path);
     waiting_ = {};

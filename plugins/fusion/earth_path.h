@@ -121,6 +121,10 @@ class EarthPath : public FusedPath {
         std::size_t committed = 0, steps = 0, fixes = 0;  ///< of recent_steps_, of since_
         EarthState state;
         EarthState without;  ///< at `committed_` by the motion alone, without what came since
+        /// By how much the fixes before and those after contradict one another; 0: it may be drift.
+        double contradicted_m = 0;
+        double rested_s = 0;         ///< for which the path rested on those before
+        bool heading_holds = false;  ///< of the foothold before: from there motion led close to those after
         StampNs agrees_ns = 0;
         std::size_t agreeing = 0;  ///< fixes, from then on, that agree with that and not with the path
         ReEntry re_entry;
@@ -136,7 +140,8 @@ class EarthPath : public FusedPath {
     struct JudgedFix {
         WaitingFix waiting;
         FixUse use = FixUse::used;
-        bool barred = false;  ///< the path has rested on it, and was wrong
+        bool barred = false;      ///< the path has rested on it, and was wrong
+        bool outweighed = false;  ///< others that contradict it came for longer
     };
     /// What a fix's place has led to.
     enum class Placed { by_fix, fix_is_off, path_was_wrong };
@@ -174,9 +179,13 @@ class EarthPath : public FusedPath {
     void add_step(const SmootherStep& step);
     void judge(const WaitingFix& waiting, FixUse use);
     void gain_foothold(const ReEntry& re_entry);
+    void remember_contradiction(const PresentFix& seen, double off_m);
     Innovation<3> innovation_without(const Foothold& foothold, const PresentFix& seen) const;
     bool others_agree_without(const PresentFix& seen, double off_m);
     void go_back(const PresentFix& seen, double off_m);
+    void weigh_latest_re_entry();
+    void bar_used(std::size_t from, std::size_t to, double off_m, const std::function<void(JudgedFix&)>& bar);
+    void use_again(bool heading_holds);
     void leave_footholds();
     void use(const WaitingFix& waiting);
     FixUse apply(const gnss::GnssFix& fix);

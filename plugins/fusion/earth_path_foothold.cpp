@@ -24,13 +24,17 @@ bool is_close(const Innovation<3>& place, double off_m) {
 }  // namespace
 
 void EarthPath::gain_foothold(const ReEntry& re_entry) {
-    if (footholds_.size() == most_footholds) return;
+    if (footholds_.size() == most_footholds) {
+        footholds_.back().contradicted_m = 0;
+        return;
+    }
     Foothold now;
     now.committed = *committed_;
     now.steps = recent_steps_.size();
     now.fixes = since_.size();
     now.state = now.without = state_;
     now.re_entry = re_entry;
+    now.rested_s = re_entry.rests_on_s();
     now.fix_process = fix_process_;
     now.process = process_;
     now.used_ns = used_ns_;
@@ -39,6 +43,16 @@ void EarthPath::gain_foothold(const ReEntry& re_entry) {
     now.sum_of_squares = sum_of_squares_;
     now.squares = squares_;
     footholds_.push_back(std::move(now));
+}
+
+/// That of the fixes before and after the latest foothold: `off_m`, though the motion from the one before it
+/// leads to those after.
+void EarthPath::remember_contradiction(const PresentFix& seen, double off_m) {
+    if (footholds_.size() < 2 || footholds_.back().fixes != since_.size()) return;
+    const Innovation<3> from_before = innovation_without(*(footholds_.end() - 2), seen);
+    if (!passes(from_before)) return;
+    footholds_.back().contradicted_m = off_m;
+    footholds_.back().heading_holds = is_close(from_before, off_m);
 }
 
 /// Where the vehicle would be without what came since the foothold, against a fix; its slow error is another
@@ -79,11 +93,46 @@ void EarthPath::leave_footholds() {
 }
 
 /// To the latest foothold from which the motion leads to the fix, and all fixes since then once more, without
-/// those that the path was off with, by `off_m`.
+/// those that were used, which the path was off with, by `off_m`.
 void EarthPath::go_back(const PresentFix& seen, double off_m) {
     while (footholds_.size() > 1 && !passes(innovation_without(footholds_.back(), seen)))
         footholds_.pop_back();
-    const bool heading_holds = is_close(innovation_without(footholds_.back(), seen), off_m);
+    bar_used(footholds_.back().fixes, since_.size(), off_m, [](JudgedFix& fix) { fix.barred = true; });
+    for (JudgedFix& judged : since_) judged.outweighed = false;
+    footholds_.back().contradicted_m = 0;
+    use_again(is_close(innovation_without(footholds_.back(), seen), off_m));
+}
+
+/// A re-entry that no drift explains: fixes before it or after were reflected, and by then it was too early
+/// to say which. What has spoken for longer since was right; but nothing reflects for as long as [fusion]
+/// re_entry_s.
+void EarthPath::weigh_latest_re_entry() {
+    if (footholds_.size() < 2) return;
+    const Foothold latest = footholds_.back();
+    if (latest.contradicted_m == 0 || latest.rested_s > settings_.re_entry_s ||
+        !re_entry_.outweighs(latest.rested_s))
+        return;
+    footholds_.pop_back();
+    ++re_entries_;
+    bar_used(footholds_.back().fixes, latest.fixes, latest.contradicted_m,
+             [](JudgedFix& fix) { fix.outweighed = true; });
+    goes_back_ = true;
+    use_again(latest.heading_holds);
+    goes_back_ = false;
+}
+
+/// Of the fixes in that range, those which the path was off with, by `off_m`.
+void EarthPath::bar_used(std::size_t from, std::size_t to, double off_m,
+                         const std::function<void(JudgedFix&)>& bar) {
+    for (std::size_t k = from; k < to; ++k) {
+        const gnss::SigmaOfFix sigma = gnss::sigma_of(since_[k].waiting.fix, settings_.noise);
+        const double sigma_m = std::hypot(sigma.white_m.x(), sigma.correlated_m.x());
+        if (since_[k].use == FixUse::used && off_m > still_right * sigma_m) bar(since_[k]);
+    }
+}
+
+/// All fixes since the latest foothold, from there on.
+void EarthPath::use_again(bool heading_holds) {
     Foothold& then = footholds_.back();
     committed_ = then.committed;
     SetAside<SmootherStep> steps;
@@ -107,11 +156,8 @@ void EarthPath::go_back(const PresentFix& seen, double off_m) {
     since_.erase(first, since_.end());
     for (JudgedFix& judged : again) {
         const gnss::GnssFix& fix = judged.waiting.fix;
-        const gnss::SigmaOfFix sigma = gnss::sigma_of(fix, settings_.noise);
         --count_[static_cast<std::size_t>(judged.use)];
-        const double sigma_m = std::hypot(sigma.white_m.x(), sigma.correlated_m.x());
-        judged.barred = judged.barred || (judged.use == FixUse::used && off_m > still_right * sigma_m);
-        if (judged.barred)
+        if (judged.barred || judged.outweighed)
             judged.use = FixUse::off_the_path;
         else if (judged.use == FixUse::used || judged.use == FixUse::off_the_path)
             judged.use = apply(fix);
@@ -119,6 +165,7 @@ void EarthPath::go_back(const PresentFix& seen, double off_m) {
             look_at_withheld(fix);
         judge(judged.waiting, judged.use);
         since_.back().barred = judged.barred;
+        since_.back().outweighed = judged.outweighed;
     }
 }
 

@@ -110,12 +110,13 @@ void fields(Archive& archive, EarthPath& path) {
     archive(path.re_entry_, path.used_ns_, path.steps_, path.recent_steps_);
     archive(path.gaps_, path.used_.T_enu_base, path.used_.T_odom_base, path.used_.way_m);
     archive.each(path.footholds_, [](Archive& a, EarthPath::Foothold& then) {
-        a(then.committed, then.steps, then.fixes, then.state, then.without, then.agrees_ns, then.agreeing,
-          then.re_entry, then.fix_process, then.process, then.used_ns, then.gaps, then.used.T_enu_base,
-          then.used.T_odom_base, then.used.way_m, then.sum_of_squares, then.squares);
+        a(then.committed, then.steps, then.fixes, then.state, then.without, then.contradicted_m,
+          then.rested_s, then.heading_holds, then.agrees_ns, then.agreeing, then.re_entry, then.fix_process,
+          then.process, then.used_ns, then.gaps, then.used.T_enu_base, then.used.T_odom_base, then.used.way_m,
+          then.sum_of_squares, then.squares);
     });
     archive.each(path.since_, [](Archive& a, EarthPath::JudgedFix& judged) {
-        a(judged.waiting.fix, judged.waiting.withheld, judged.use, judged.barred);
+        a(judged.waiting.fix, judged.waiting.withheld, judged.use, judged.barred, judged.outweighed);
     });
     archive(path.sum_of_squares_, path.squares_, path.re_entries_);
 }
@@ -161,11 +162,11 @@ void fields(Archive& archive, FusionModule& m) {
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 6, *this);
+    write_state(out, info().name, 7, *this);
 }
 
 void FusionModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 6, *this);
+    read_state(in, info().name, 7, *this);
 }
 
 }  // namespace loopline

@@ -41,7 +41,12 @@ ReEntry::Verdict ReEntry::refused(const Fix& fix, const Eigen::Vector3d& off_m, 
     const bool was_wrong = against.span_s > by_far * rests_on_s_;
     begin(fix.stamp_ns, fix.way_m);
     rests_on_s_ = against.part * against.span_s;
-    return was_wrong ? Verdict::path_was_wrong : Verdict::path_drifted;
+    if (was_wrong) return Verdict::path_was_wrong;
+    return against.too_far ? Verdict::contradiction : Verdict::path_drifted;
+}
+
+bool ReEntry::outweighs(double others_s) const {
+    return rests_on_s_ > by_far * others_s;
 }
 
 void ReEntry::begin(StampNs stamp_ns, double way_m) {
@@ -105,7 +110,7 @@ ReEntry::Against ReEntry::against_the_path(double after_s) const {
         const double part = static_cast<double>(on_line) / static_cast<double>(all);
         if (on_line >= agreement && part >= at_least_part &&
             static_cast<double>(on_line) >= by_far * static_cast<double>(most_others(is_on_line)))
-            return {span_s, part};
+            return {span_s, part, early.off_m.norm() > astray * (early.way_m - used.way_m)};
     }
     return {};
 }

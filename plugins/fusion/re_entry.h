@@ -27,6 +27,8 @@ class ReEntry {
     enum class Verdict {
         path_holds,
         path_drifted,   ///< since fixes agreed with it
+        contradiction,  ///< farther than it can have drifted: these or those before are wrong, not yet known
+                        ///< which
         path_was_wrong  ///< they spoke for it less than others speak against it
     };
     /// One that does not, and how far it is off. The path holds unless none was used for `after_s`, or for
@@ -35,6 +37,8 @@ class ReEntry {
     Verdict refused(const Fix& fix, const Eigen::Vector3d& off_m, double after_s);
     /// For how long fixes have agreed with the path.
     double rests_on_s() const { return rests_on_s_; }
+    /// By far longer than others have with another one.
+    bool outweighs(double others_s) const;
 
  private:
     template <class Archive>
@@ -44,9 +48,11 @@ class ReEntry {
         Eigen::Vector3d off_m = Eigen::Vector3d::Zero();
     };
     void see(const Judged& fix, double for_s);
-    /// For how long fixes have spoken against the path, and what part of all that came.
+    /// For how long fixes have spoken against the path, what part of all that came, and whether the first of
+    /// them was off by more than a path may drift.
     struct Against {
         double span_s = 0, part = 0;
+        bool too_far = false;
     };
     Against against_the_path(double after_s) const;
     std::size_t most_others(const std::function<bool(const Judged&)>& is_on_line) const;
