@@ -85,6 +85,23 @@ WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& t
     return innovation;
 }
 
+template <int rows>
+EarthState updated(const EarthState& state, const Innovation<rows>& innovation) {
+    const Eigen::Matrix<double, state_errors, rows> PHt = state.covariance * innovation.H.transpose();
+    const Eigen::Matrix<double, state_errors, rows> K =
+        innovation.covariance.ldlt().solve(PHt.transpose()).transpose();
+    EarthState after = moved_by(state, K * innovation.off);
+    // Joseph's form: symmetric and positive whatever the rounding.
+    const StateMatrix left = StateMatrix::Identity() - K * innovation.H;
+    const Eigen::Matrix<double, rows, rows> R =
+        innovation.covariance - innovation.H * state.covariance * innovation.H.transpose();
+    after.covariance = left * state.covariance * left.transpose() + K * R * K.transpose();
+    return after;
+}
+
+template EarthState updated(const EarthState&, const Innovation<2>&);
+template EarthState updated(const EarthState&, const Innovation<3>&);
+
 StateAndMotion updated(const StateAndMotion& both, const WheelInnovation& innovation) {
     const Eigen::Matrix<double, StateAndMotion::errors, 3> PHt = both.covariance * innovation.H.transpose();
     const Eigen::Matrix<double, StateAndMotion::errors, 3> K =

@@ -102,18 +102,8 @@ Innovation<2> innovation_of_velocity(const EarthState& state, const Pose3& T_bas
 Innovation<2> innovation_of_upright(const EarthState& state, const Eigen::Vector3d& up_base,
                                     const Eigen::Matrix2d& covariance_rad2);
 
+/// Of 2 or 3 rows.
 template <int rows>
-EarthState updated(const EarthState& state, const Innovation<rows>& innovation) {
-    const Eigen::Matrix<double, state_errors, rows> PHt = state.covariance * innovation.H.transpose();
-    const Eigen::Matrix<double, state_errors, rows> K =
-        innovation.covariance.ldlt().solve(PHt.transpose()).transpose();
-    EarthState after = moved_by(state, K * innovation.off);
-    // Joseph's form: symmetric and positive whatever the rounding.
-    const StateMatrix left = StateMatrix::Identity() - K * innovation.H;
-    const Eigen::Matrix<double, rows, rows> R =
-        innovation.covariance - innovation.H * state.covariance * innovation.H.transpose();
-    after.covariance = left * state.covariance * left.transpose() + K * R * K.transpose();
-    return after;
-}
+EarthState updated(const EarthState& state, const Innovation<rows>& innovation);
 
 }  // namespace loopline::fusion

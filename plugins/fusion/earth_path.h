@@ -184,7 +184,7 @@ class EarthPath : public FusedPath {
     bool others_agree_without(const PresentFix& seen, double off_m);
     void go_back(const PresentFix& seen, double off_m);
     void weigh_latest_re_entry();
-    void bar_used(std::size_t from, std::size_t to, double off_m, const std::function<void(JudgedFix&)>& bar);
+    void mark_used(std::size_t from, std::size_t to, double off_m, bool JudgedFix::*as);
     void use_again(bool heading_holds);
     void leave_footholds();
     void use(const WaitingFix& waiting);

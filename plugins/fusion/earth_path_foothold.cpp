@@ -97,7 +97,7 @@ void EarthPath::leave_footholds() {
 void EarthPath::go_back(const PresentFix& seen, double off_m) {
     while (footholds_.size() > 1 && !passes(innovation_without(footholds_.back(), seen)))
         footholds_.pop_back();
-    bar_used(footholds_.back().fixes, since_.size(), off_m, [](JudgedFix& fix) { fix.barred = true; });
+    mark_used(footholds_.back().fixes, since_.size(), off_m, &JudgedFix::barred);
     for (JudgedFix& judged : since_) judged.outweighed = false;
     footholds_.back().contradicted_m = 0;
     use_again(is_close(innovation_without(footholds_.back(), seen), off_m));
@@ -114,20 +114,19 @@ void EarthPath::weigh_latest_re_entry() {
         return;
     footholds_.pop_back();
     ++re_entries_;
-    bar_used(footholds_.back().fixes, latest.fixes, latest.contradicted_m,
-             [](JudgedFix& fix) { fix.outweighed = true; });
+    mark_used(footholds_.back().fixes, latest.fixes, latest.contradicted_m, &JudgedFix::outweighed);
     goes_back_ = true;
     use_again(latest.heading_holds);
     goes_back_ = false;
+    look_ahead();
 }
 
 /// Of the fixes in that range, those which the path was off with, by `off_m`.
-void EarthPath::bar_used(std::size_t from, std::size_t to, double off_m,
-                         const std::function<void(JudgedFix&)>& bar) {
+void EarthPath::mark_used(std::size_t from, std::size_t to, double off_m, bool JudgedFix::*as) {
     for (std::size_t k = from; k < to; ++k) {
         const gnss::SigmaOfFix sigma = gnss::sigma_of(since_[k].waiting.fix, settings_.noise);
         const double sigma_m = std::hypot(sigma.white_m.x(), sigma.correlated_m.x());
-        if (since_[k].use == FixUse::used && off_m > still_right * sigma_m) bar(since_[k]);
+        if (since_[k].use == FixUse::used && off_m > still_right * sigma_m) since_[k].*as = true;
     }
 }
 

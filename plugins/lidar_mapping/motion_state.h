@@ -1,5 +1,6 @@
 /// Pose and velocity of the vehicle in the middle of a sweep, and how the two go on to the next one: as if
-/// nothing accelerated, but for noise. What the velocity has then become tells how it changed.
+/// nothing accelerated, but for noise. What the velocity has then become tells how it changed, and the sweep
+/// itself how it moved unevenly within it.
 #pragma once
 
 #include <Eigen/Core>

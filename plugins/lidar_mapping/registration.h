@@ -1,5 +1,5 @@
 /// Pose and velocity of the vehicle by a sweep and the map, as an iterated Kalman update: returns are drawn
-/// onto the planes and edges that the map has around them, each undistorted by the velocity that is sought.
+/// onto the planes and edges that the map has around them, each undistorted by the motion that is sought.
 #pragma once
 
 #include <vector>

@@ -24,6 +24,12 @@ RegistrationSettings to_the_end() {
     return settings;
 }
 
+MotionState predicted_near(const MotionState& truth) {
+    Vector12d off;
+    off << 0.05, -0.04, 0.03, 0.01, -0.005, 0.01, 0.3, -0.2, 0.1, 0.03, 0.05, -0.05;
+    return state_near(truth, off, 1, 0.2);
+}
+
 TEST(WorkerPool, runs_each_task_once) {
     for (const int threads : {1, 2, 5}) {
         WorkerPool workers(threads);
@@ -66,10 +72,8 @@ TEST(Registration, undistorts_by_the_acceleration_since_the_sweep_before) {
     truth.duration_s = 0.1;
     const auto sweep = sweep_of(panels, truth, 4000, random);
     WorkerPool workers(1);
-    Vector12d off;
-    off << 0.05, -0.04, 0.03, 0.01, -0.005, 0.01, 0.3, -0.2, 0.1, 0.03, 0.05, -0.05;
     const RegistrationSettings settings = to_the_end();
-    MotionState predicted = state_near(truth, off, 1, 0.2);
+    MotionState predicted = predicted_near(truth);
     const Vector12d left = difference(register_sweep(map, sweep, predicted, settings, workers).state, truth);
     EXPECT_LT(left.segment<3>(0).norm(), 0.001);
     EXPECT_LT(left.segment<3>(3).norm(), 0.01 * deg);
@@ -92,9 +96,7 @@ TEST(Registration, undistorts_by_what_the_sweep_shows_of_its_acceleration_and_je
     truth.jerk = {{3, -5, 4}, {30, -25, 0.5}};
     const auto sweep = sweep_of(panels, truth, 4000, random);
     WorkerPool workers(1);
-    Vector12d off;
-    off << 0.05, -0.04, 0.03, 0.01, -0.005, 0.01, 0.3, -0.2, 0.1, 0.03, 0.05, -0.05;
-    MotionState predicted = state_near(truth, off, 1, 0.2);
+    MotionState predicted = predicted_near(truth);
     MotionNoise over_bumps;
     over_bumps.sigma_turn_radps2 = 3;
     expect_unevenness(predicted, over_bumps);
