@@ -4,6 +4,8 @@ add_library(loopline_settings INTERFACE)
 target_compile_options(loopline_settings INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
 # Bit-equal results on every build: no contraction of a*b+c that one compiler does and another does not.
 target_compile_options(loopline_settings INTERFACE -ffp-contract=off)
+# Loops become vector instructions: square roots set no errno, and what is computed and then not used may be infinite.
+target_compile_options(loopline_settings INTERFACE -fno-math-errno -fno-trapping-math)
 if(LOOPLINE_SANITIZE)
     # Null, misaligned and stray pointers are AddressSanitizer's: a second check of each takes twice the time to compile,
     # and finds Eigen's references into matrices without elements, which nobody follows.
@@ -27,12 +29,28 @@ function(loopline_compile_together target pattern)
     endforeach()
 endfunction()
 
+# loopline_precompile(TARGET): with LOOPLINE_PRECOMPILED_HEADERS what most sources begin with is read once, by loopline_api.
+function(loopline_precompile target)
+    if(NOT LOOPLINE_PRECOMPILED_HEADERS)
+        return()
+    endif()
+    if(target STREQUAL loopline_api)
+        target_precompile_headers(${target} PRIVATE <Eigen/Core> <Eigen/Geometry> <mrpt/obs/CObservation2DRangeScan.h>
+            <mrpt/obs/CObservationGPS.h> <mrpt/obs/CObservationIMU.h> <mrpt/obs/CObservationOdometry.h>
+            <mrpt/obs/CObservationRobotPose.h> <mrpt/obs/CSensoryFrame.h> <mrpt/serialization/CArchive.h> <algorithm> <array>
+            <cmath> <deque> <filesystem> <fstream> <functional> <map> <memory> <optional> <set> <sstream> <string> <vector>)
+    else()
+        target_precompile_headers(${target} REUSE_FROM loopline_api)
+    endif()
+endfunction()
+
 # loopline_library(NAME SOURCES... [LINK targets...]): what several plugins share, in each of them.
 function(loopline_library name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_library(loopline_${name} STATIC ${ARG_SOURCES})
     target_link_libraries(loopline_${name} PUBLIC loopline_settings ${ARG_LINK})
     target_include_directories(loopline_${name} PUBLIC ${PROJECT_SOURCE_DIR}/plugins)
+    loopline_precompile(loopline_${name})
 endfunction()
 
 # loopline_plugin(NAME SOURCES... [LINK targets...]): a shared library that the host, and MRPT's own programs, load.
@@ -45,8 +63,10 @@ function(loopline_plugin name)
     target_include_directories(loopline_${name} PUBLIC ${PROJECT_SOURCE_DIR}/plugins)
     target_link_options(loopline_${name} PRIVATE -Wl,-z,now -Wl,--no-undefined -Wl,--no-as-needed)
     set_target_properties(loopline_${name} PROPERTIES
+        DEFINE_SYMBOL ""  # one more macro, and no compiler takes headers that were precompiled without it
         LIBRARY_OUTPUT_DIRECTORY ${LOOPLINE_PLUGIN_DIR}
         BUILD_RPATH "$ORIGIN" INSTALL_RPATH "$ORIGIN")
+    loopline_precompile(loopline_${name})
     set_property(GLOBAL APPEND PROPERTY LOOPLINE_PLUGIN_TARGETS loopline_${name})
     install(TARGETS loopline_${name} LIBRARY DESTINATION lib/loopline)
 endfunction()

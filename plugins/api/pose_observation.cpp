@@ -1,9 +1,8 @@
 #include "api/pose_observation.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <cmath>
 
+#include "api/dense_algebra.h"
 #include "api/mrpt_pose.h"
 
 namespace loopline {
@@ -33,15 +32,15 @@ mrpt::obs::CObservationRobotPose::Ptr pose_observation(const std::string& label,
     const mrpt::poses::CPose3D mean(mrpt::math::CQuaternionDouble(q.w(), q.x(), q.y(), q.z()), t_m.x(),
                                     t_m.y(), t_m.z());
     observation->pose.mean = mean;
-    const Matrix6d to_angles = from_angles(mean.yaw(), mean.pitch()).inverse();
-    observation->pose.cov.asEigen() = to_angles * covariance * to_angles.transpose();
+    const Matrix6d to_angles = inverse_of(from_angles(mean.yaw(), mean.pitch()));
+    observation->pose.cov.asEigen() = propagated(to_angles, covariance);
     return observation;
 }
 
 PoseWithCovariance pose_of(const mrpt::obs::CObservationRobotPose& observation) {
     const auto& mean = observation.pose.mean;
     const Matrix6d E = from_angles(mean.yaw(), mean.pitch());
-    return {pose3_from_mrpt(mean), E * observation.pose.cov.asEigen() * E.transpose()};
+    return {pose3_from_mrpt(mean), propagated(E, observation.pose.cov.asEigen())};
 }
 
 Matrix6d added_covariance(const PoseWithCovariance& from, const PoseWithCovariance& to) {
@@ -50,10 +49,9 @@ Matrix6d added_covariance(const PoseWithCovariance& from, const PoseWithCovarian
     F.topRightCorner<3, 3>() << 0, way_m.z(), -way_m.y(), -way_m.z(), 0, way_m.x(), way_m.y(), -way_m.x(), 0;
     R.topLeftCorner<3, 3>() = R.bottomRightCorner<3, 3>() =
         from.T_map_base.rotation.conjugate().toRotationMatrix();
-    const Matrix6d added = R * (to.covariance - F * from.covariance * F.transpose()) * R.transpose();
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen((added + added.transpose()) / 2);
-    const Eigen::Matrix<double, 6, 1> positive = eigen.eigenvalues().cwiseMax(0);
-    return eigen.eigenvectors() * positive.asDiagonal() * eigen.eigenvectors().transpose();
+    const Matrix6d added = propagated(R, to.covariance - propagated(F, from.covariance));
+    const Spectrum spectrum = spectrum_of((added + added.transpose()) / 2);
+    return spectrum.vectors * spectrum.values.cwiseMax(0).asDiagonal() * spectrum.vectors.transpose();
 }
 
 }  // namespace loopline

@@ -108,7 +108,8 @@ class StateArchive {
     void value(std::optional<T>& x) {
         bool there = x.has_value();
         value(there);
-        if (reading) x = there ? std::optional<T>(T()) : std::nullopt;
+        if (reading && there) x.emplace();
+        if (!there) x.reset();
         if (there) value(*x);
     }
     template <class A, class B>

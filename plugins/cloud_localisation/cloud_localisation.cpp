@@ -176,8 +176,7 @@ void CloudLocalisation::lose(double middle_s) {
     ++counts_.lost;
     begin_search(guess_by_motion(middle_s));
     const Matrix6d to_base = inertial::turned_both(state_.T_map_base.rotation.conjugate());
-    local_->begin_at_speed(state_.velocity,
-                           to_base * state_.covariance.bottomRightCorner<6, 6>() * to_base.transpose());
+    local_->begin_at_speed(state_.velocity, propagated(to_base, state_.covariance.bottomRightCorner<6, 6>()));
 }
 
 /// The vehicle's own frame at the stamp of the sweep at hand is that of the search's map.

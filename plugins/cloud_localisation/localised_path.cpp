@@ -1,8 +1,8 @@
 #include "cloud_localisation/localised_path.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "api/dense_algebra.h"
 #include "inertial/pose_error.h"
 #include "inertial/rotation_vector.h"
 
@@ -21,11 +21,11 @@ Vector6d difference(const Pose3& to, const Pose3& from) {
 bool agree(const PoseWithCovariance& a, const PoseWithCovariance& b) {
     constexpr double contradiction = 50;
     const Vector6d d = difference(a.T_map_base, b.T_map_base);
-    return d.dot((a.covariance + b.covariance).ldlt().solve(d)) < contradiction;
+    return squared_in_sigmas(d, a.covariance + b.covariance) < contradiction;
 }
 
 PoseWithCovariance weighted_mean(const PoseWithCovariance& a, const PoseWithCovariance& b) {
-    const Matrix6d K = (a.covariance + b.covariance).ldlt().solve(a.covariance).transpose();
+    const Matrix6d K = solved(a.covariance + b.covariance, a.covariance).transpose();
     const Vector6d step = K * difference(b.T_map_base, a.T_map_base);
     const Matrix6d covariance = a.covariance - K * a.covariance;
     return {{a.T_map_base.translation_m + step.head<3>(),
@@ -77,8 +77,7 @@ void LocalisedPath::lay_out_backwards(const LocalisedSweep& found) {
         const Matrix6d F =
             inertial::carried_along(pose.T_map_base.translation_m - found.T_map_base.translation_m);
         const double left = 1 - static_cast<double>(k - first) / static_cast<double>(end - first);
-        pose.covariance =
-            F * found.covariance * F.transpose() + left * (R * found.local_covariance * R.transpose());
+        pose.covariance = propagated(F, found.covariance) + left * propagated(R, found.local_covariance);
         if (const auto other = from_where_it_was_lost(record); other && ends_agree) {
             ends_agree = k > first || agree(pose, *other);
             if (ends_agree) pose = weighted_mean(pose, *other);

@@ -57,7 +57,7 @@ Matrix6d MapUncertainty::at(const Eigen::Vector3d& p_map_m) const {
         return (a.p_map_m - p_map_m).squaredNorm() < (b.p_map_m - p_map_m).squaredNorm();
     });
     const Matrix6d F = inertial::carried_along(p_map_m - nearest->p_map_m);
-    return F * nearest->covariance * F.transpose();
+    return propagated(F, nearest->covariance);
 }
 
 }  // namespace loopline::cloud_localisation

@@ -56,7 +56,7 @@ StateAndMotion with_wheels(const EarthState& state, const Twist2& told, const Wh
     both.covariance.topRightCorner<state_errors, 6>() = P * J.transpose();
     both.covariance.bottomLeftCorner<6, state_errors>() = J * P.transpose();
     both.covariance.bottomRightCorner<6, 6>() =
-        J * P.middleRows<wheel_error_count>(wheel_errors_at) * J.transpose() + noise_of(told, noise);
+        propagated(J, P.middleRows<wheel_error_count>(wheel_errors_at)) + noise_of(told, noise);
     return both;
 }
 
@@ -81,7 +81,7 @@ WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& t
         innovation.H(k, state_errors + row) = 1;
         innovation.noise(k, k) = R(row, row) + own_variance(both.of_motion()(row, row), row);
     }
-    innovation.covariance = innovation.H * both.covariance * innovation.H.transpose() + innovation.noise;
+    innovation.covariance = propagated(innovation.H, both.covariance) + innovation.noise;
     return innovation;
 }
 
@@ -89,13 +89,13 @@ template <int rows>
 EarthState updated(const EarthState& state, const Innovation<rows>& innovation) {
     const Eigen::Matrix<double, state_errors, rows> PHt = state.covariance * innovation.H.transpose();
     const Eigen::Matrix<double, state_errors, rows> K =
-        innovation.covariance.ldlt().solve(PHt.transpose()).transpose();
+        solved(innovation.covariance, PHt.transpose()).transpose();
     EarthState after = moved_by(state, K * innovation.off);
     // Joseph's form: symmetric and positive whatever the rounding.
     const StateMatrix left = StateMatrix::Identity() - K * innovation.H;
     const Eigen::Matrix<double, rows, rows> R =
-        innovation.covariance - innovation.H * state.covariance * innovation.H.transpose();
-    after.covariance = left * state.covariance * left.transpose() + K * R * K.transpose();
+        innovation.covariance - propagated(innovation.H, state.covariance);
+    after.covariance = propagated(left, state.covariance) + propagated(K, R);
     return after;
 }
 
@@ -105,14 +105,14 @@ template EarthState updated(const EarthState&, const Innovation<3>&);
 StateAndMotion updated(const StateAndMotion& both, const WheelInnovation& innovation) {
     const Eigen::Matrix<double, StateAndMotion::errors, 3> PHt = both.covariance * innovation.H.transpose();
     const Eigen::Matrix<double, StateAndMotion::errors, 3> K =
-        innovation.covariance.ldlt().solve(PHt.transpose()).transpose();
+        solved(innovation.covariance, PHt.transpose()).transpose();
     const Eigen::Matrix<double, StateAndMotion::errors, 1> error = K * innovation.off;
     StateAndMotion after;
     after.state = moved_by(both.state, error.head<state_errors>());
     after.T_from_to.translation_m = both.T_from_to.translation_m + error.segment<3>(state_errors);
     after.T_from_to.rotation = (exp_so3(error.tail<3>()) * both.T_from_to.rotation).normalized();
     const StateAndMotion::Matrix left = StateAndMotion::Matrix::Identity() - K * innovation.H;
-    after.covariance = left * both.covariance * left.transpose() + K * innovation.noise * K.transpose();
+    after.covariance = propagated(left, both.covariance) + propagated(K, innovation.noise);
     after.state.covariance = after.covariance.topLeftCorner<state_errors, state_errors>();
     return after;
 }
@@ -162,7 +162,7 @@ Innovation<3> innovation_of_place(const EarthState& state, const Pose3& T_base_t
     innovation.H << Eigen::Matrix3d::Identity(), -cross_matrix(arm_m), Eigen::Matrix3d::Identity(),
         Eigen::Matrix<double, 3, wheel_error_count>::Zero(),
         (state.T_enu_base.rotation * T_base_then.rotation).toRotationMatrix();
-    innovation.covariance = innovation.H * state.covariance * innovation.H.transpose();
+    innovation.covariance = propagated(innovation.H, state.covariance);
     innovation.covariance.diagonal() += white_m.cwiseAbs2();
     return innovation;
 }
@@ -178,7 +178,7 @@ Innovation<2> innovation_of_velocity(const EarthState& state, const Pose3& T_bas
     if (by_wheels)
         innovation.H.col(wheel_errors_at + way_scale) =
             expected.head<2>() / (1 + state.wheel_errors[way_scale]);
-    innovation.covariance = innovation.H * state.covariance * innovation.H.transpose();
+    innovation.covariance = propagated(innovation.H, state.covariance);
     innovation.covariance.diagonal().array() += sigma_mps * sigma_mps;
     return innovation;
 }
@@ -193,8 +193,7 @@ Innovation<2> innovation_of_upright(const EarthState& state, const Eigen::Vector
     // A turn d moves what is upright by (d_y, -d_x).
     Eigen::Matrix2d by_turn;
     by_turn << 0, 1, -1, 0;
-    innovation.covariance = innovation.H * state.covariance * innovation.H.transpose() +
-                            by_turn * covariance_rad2 * by_turn.transpose();
+    innovation.covariance = propagated(innovation.H, state.covariance) + propagated(by_turn, covariance_rad2);
     return innovation;
 }
 

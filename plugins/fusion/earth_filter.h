@@ -2,9 +2,9 @@
 /// predict, fixes correct. Rows C6, C7.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "api/dense_algebra.h"
 #include "fusion/motion.h"
 #include "fusion/wheel_motion.h"
 #include "gnss/fix_noise.h"
@@ -54,7 +54,7 @@ struct WheelInnovation {
     Eigen::Vector3d off;
     Eigen::Matrix3d covariance, noise;
     Eigen::Matrix<double, 3, StateAndMotion::errors> H;
-    double square() const { return off.dot(covariance.ldlt().solve(off)); }
+    double square() const { return squared_in_sigmas(off, covariance); }
 };
 WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& told, const WheelNoise& noise);
 StateAndMotion updated(const StateAndMotion& both, const WheelInnovation& innovation);
@@ -83,7 +83,7 @@ struct Innovation {
     Eigen::Matrix<double, rows, rows> covariance;
     Eigen::Matrix<double, rows, state_errors> H;
     /// Normalised square: chi-square with `rows` degrees of freedom if all is as thought.
-    double square() const { return off.dot(covariance.ldlt().solve(off)); }
+    double square() const { return squared_in_sigmas(off, covariance); }
 };
 
 /// A fix's antenna place, at a time at which the vehicle is at T_base_then seen from the state.

@@ -39,7 +39,7 @@ void EarthPath::begin(const Pose3& T_enu_odom) {
         settings_.sigma_antenna_m, settings_.sigma_antenna_m, 0;
     state_.covariance = sigma.cwiseAbs2().asDiagonal();
     const Matrix6d R = inertial::turned_both(state_.T_enu_base.rotation);
-    state_.covariance.topLeftCorner<6, 6>() = R * state_.covariance.topLeftCorner<6, 6>() * R.transpose();
+    state_.covariance.topLeftCorner<6, 6>() = propagated(R, state_.covariance.topLeftCorner<6, 6>());
     committed_ = 0;
     re_entry_.begin(early_.front().stamp_ns, 0);
     gain_foothold(re_entry_);

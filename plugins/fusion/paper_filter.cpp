@@ -1,10 +1,10 @@
 #include "fusion/paper_filter.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "api/attitude.h"
+#include "api/dense_algebra.h"
 #include "api/pose2.h"
 
 namespace loopline::fusion {
@@ -29,7 +29,7 @@ void PaperFilter::predict(double way_m, double turn_rad, const Matrix6d& R) {
     Matrix6d F = Matrix6d::Identity();     // derivative by the angle about z
     F(0, 5) = -way_m * s;
     F(1, 5) = way_m * c;
-    P_ = F * P_ * F.transpose() + R;
+    P_ = propagated(F, P_) + R;
 }
 
 void PaperFilter::observe(const Pose3& told, std::initializer_list<int> which, const Vector6d& sigma) {
@@ -44,8 +44,8 @@ void PaperFilter::observe(const Pose3& told, std::initializer_list<int> which, c
         off[row] = k < 3 ? w[k] - s_[k] : wrap_to_pi(w[k] - s_[k]);
         ++row;
     }
-    const Eigen::MatrixXd S = C * P_ * C.transpose() + Q;
-    const Eigen::MatrixXd K = S.ldlt().solve(C * P_).transpose();  // K = P C' S^-1
+    const Eigen::MatrixXd S = propagated(C, P_) + Q;
+    const Eigen::MatrixXd K = solved(S, C * P_).transpose();  // K = P C' S^-1
     s_ += K * off;
     for (int k = 3; k < 6; ++k) s_[k] = wrap_to_pi(s_[k]);
     P_ = (Matrix6d::Identity() - K * C) * P_;

@@ -1,6 +1,6 @@
 #include "fusion/smoother.h"
 
-#include <Eigen/Cholesky>
+#include "api/dense_algebra.h"
 
 namespace loopline::fusion {
 
@@ -34,12 +34,10 @@ SmootherStep::SmootherStep(std::size_t from_pose, const EarthState& before_, con
 EarthState smoothed_before(const SmootherStep& step, const EarthState& smoothed_after) {
     const EarthState before = step.before.state(), after = step.after.state();
     // C = P(before, after) P(after, after)^-1
-    const StateMatrix C = after.covariance.ldlt()
-                              .solve(Eigen::Map<const StateMatrix>(step.before_and_after.data()).transpose())
-                              .transpose();
+    const Eigen::Map<const StateMatrix> before_and_after(step.before_and_after.data());
+    const StateMatrix C = solved(after.covariance, before_and_after.transpose()).transpose();
     EarthState smoothed = moved_by(before, C * difference(smoothed_after, after));
-    smoothed.covariance =
-        before.covariance + C * (smoothed_after.covariance - after.covariance) * C.transpose();
+    smoothed.covariance = before.covariance + propagated(C, smoothed_after.covariance - after.covariance);
     smoothed.covariance = (smoothed.covariance + smoothed.covariance.transpose()).eval() / 2;
     return smoothed;
 }

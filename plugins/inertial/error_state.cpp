@@ -1,5 +1,6 @@
 #include "inertial/error_state.h"
 
+#include "api/dense_algebra.h"
 #include "inertial/rotation_vector.h"
 
 namespace loopline::inertial {
@@ -71,7 +72,7 @@ ErrorMatrix process_noise(const ImuNoise& noise, const ErrorMatrix& Phi, double 
         .setConstant(square(noise.accelerometer.bias_walk_mps2_sqrt_s));
     // Integral of Phi(t, end) S Phi(t, end)' over the step, by the trapezoid rule: noise at its start passes
     // through Phi, noise at its end does not.
-    ErrorMatrix Q = Phi * density.asDiagonal() * Phi.transpose();
+    ErrorMatrix Q = propagated(Phi, density.asDiagonal().toDenseMatrix());
     Q.diagonal() += density;
     return std::abs(duration_s) / 2 * Q;
 }
@@ -99,7 +100,7 @@ ErrorMatrix covariance_after_injection(const ErrorMatrix& covariance, const Erro
     // Exp(a + d) Exp(-a) = Exp(Jl(a) d)
     ErrorMatrix G = ErrorMatrix::Identity();
     G.block<3, 3>(attitude_error, attitude_error) = left_jacobian(error.segment<3>(attitude_error));
-    return G * covariance * G.transpose();
+    return propagated(G, covariance);
 }
 
 }  // namespace loopline::inertial

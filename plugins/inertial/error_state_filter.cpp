@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "api/dense_algebra.h"
 #include "least_squares/chi_square.h"
 
 namespace loopline::inertial {
@@ -16,7 +17,7 @@ void make_symmetric(ErrorMatrix& P) {
 void ErrorStateFilter::predict_forward(const ImuSample& from, const ImuSample& to) {
     const ErrorMatrix Phi = transition(state_, from, to);
     const double dt = seconds_between(from.stamp_ns, to.stamp_ns);
-    covariance_ = Phi * covariance_ * Phi.transpose() + process_noise(noise_, Phi, dt);
+    covariance_ = propagated(Phi, covariance_) + process_noise(noise_, Phi, dt);
     make_symmetric(covariance_);
     state_ = mechanisation_.forward(state_, from, to);
 }
@@ -25,7 +26,7 @@ void ErrorStateFilter::predict_reverse(const ImuSample& from, const ImuSample& t
     state_ = mechanisation_.reverse(state_, from, to);
     const ErrorMatrix Phi = transition(state_, from, to), inverse = inverse_transition(state_, from, to);
     const double dt = seconds_between(from.stamp_ns, to.stamp_ns);
-    covariance_ = inverse * (covariance_ + process_noise(noise_, Phi, dt)) * inverse.transpose();
+    covariance_ = propagated(inverse, covariance_ + process_noise(noise_, Phi, dt));
     make_symmetric(covariance_);
 }
 
@@ -35,7 +36,7 @@ UpdateResult ErrorStateFilter::update(const ErrorMeasurement& measurement, doubl
     result.degrees_of_freedom = static_cast<int>(innovation.size());
     if (result.degrees_of_freedom == 0) return result;
 
-    const Eigen::MatrixXd S = H * covariance_ * H.transpose() + R;
+    const Eigen::MatrixXd S = propagated(H, covariance_) + R;
     const Eigen::LLT<Eigen::MatrixXd> S_factor(S);
     result.status = UpdateResult::Status::unusable;
     if (!S.allFinite() || !innovation.allFinite() || S_factor.info() != Eigen::Success) return result;
@@ -52,7 +53,7 @@ UpdateResult ErrorStateFilter::update(const ErrorMeasurement& measurement, doubl
         S_factor.solve(H * covariance_).transpose();
     const ErrorVector error = gain * innovation;
     const ErrorMatrix left = ErrorMatrix::Identity() - gain * H;
-    covariance_ = left * covariance_ * left.transpose() + gain * R * gain.transpose();
+    covariance_ = propagated(left, covariance_) + propagated(gain, R);
     covariance_ = covariance_after_injection(covariance_, error);
     make_symmetric(covariance_);
     state_ = inject(state_, error);

@@ -1,6 +1,7 @@
 /// What becomes of the error (shift, turn) of a pose, about the vehicle, when the vehicle moves.
 #pragma once
 
+#include "api/dense_algebra.h"
 #include "api/pose3.h"
 #include "inertial/rotation_vector.h"
 
@@ -26,7 +27,7 @@ inline Matrix6d carried_along(const Eigen::Vector3d& way_m) {
 inline Matrix6d grown(const Matrix6d& covariance, const Pose3& from, const Pose3& to,
                       const Matrix6d& of_motion) {
     const Matrix6d F = carried_along(to.translation_m - from.translation_m), R = turned_both(from.rotation);
-    return F * covariance * F.transpose() + R * of_motion * R.transpose();
+    return propagated(F, covariance) + propagated(R, of_motion);
 }
 
 }  // namespace loopline::inertial

@@ -3,9 +3,10 @@
 /// eigenvalue is small are left out of the solution.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "api/dense_algebra.h"
 
 namespace loopline::least_squares {
 
@@ -19,8 +20,9 @@ class HeldDirections {
     HeldDirections(const Matrix6d& information, double range_m, double sigma_limit_m)
         : least_(1 / (sigma_limit_m * sigma_limit_m)) {
         scale_ << 1, 1, 1, 1 / range_m, 1 / range_m, 1 / range_m;
-        eigen_.compute(scale_.asDiagonal() * information * scale_.asDiagonal());
-        sound_ = eigen_.eigenvalues();
+        const Spectrum spectrum = spectrum_of(scale_.asDiagonal() * information * scale_.asDiagonal());
+        sound_ = held_by_ = spectrum.values;
+        axes_ = spectrum.vectors;
     }
 
     /// What of the information on a direction does not count as to whether it is held: `part` of a (shift,
@@ -29,7 +31,7 @@ class HeldDirections {
     void without(double sigma_m, const Part& part) {
         for (Eigen::Index k = 0; k < 6; ++k)
             if (sound_[k] * sigma_m * sigma_m < 1)
-                sound_[k] -= part(Vector6d(scale_.asDiagonal() * eigen_.eigenvectors().col(k)));
+                sound_[k] -= part(Vector6d(scale_.asDiagonal() * axes_.col(k)));
     }
 
     bool all() const { return !(sound_.minCoeff() < least_); }
@@ -40,19 +42,19 @@ class HeldDirections {
     Vector6d weakest_moves_m() const {
         Eigen::Index k = 0;
         sound_.minCoeff(&k);
-        return eigen_.eigenvectors().col(k);
+        return axes_.col(k);
     }
     /// The same as (shift, turn).
     Vector6d weakest() const { return scale_.asDiagonal() * weakest_moves_m(); }
     /// Of a (shift, turn) onto what is held; its transpose, of an information or a gradient.
     Matrix6d projection() const {
-        return scale_.asDiagonal() * eigen_.eigenvectors() * held().asDiagonal() *
-               eigen_.eigenvectors().transpose() * scale_.cwiseInverse().asDiagonal();
+        return scale_.asDiagonal() * axes_ * held().asDiagonal() * axes_.transpose() *
+               scale_.cwiseInverse().asDiagonal();
     }
     /// Without that on the free directions.
     Matrix6d information() const {
-        const Matrix6d axes = scale_.cwiseInverse().asDiagonal() * eigen_.eigenvectors();
-        return axes * held().cwiseProduct(eigen_.eigenvalues()).asDiagonal() * axes.transpose();
+        const Matrix6d axes = scale_.cwiseInverse().asDiagonal() * axes_;
+        return axes * held().cwiseProduct(held_by_).asDiagonal() * axes.transpose();
     }
 
  private:
@@ -60,8 +62,8 @@ class HeldDirections {
     Vector6d held() const { return (sound_.array() < least_).select(Vector6d::Zero(), Vector6d::Ones()); }
 
     double least_;
-    Vector6d scale_, sound_;
-    Eigen::SelfAdjointEigenSolver<Matrix6d> eigen_;
+    Vector6d scale_, held_by_, sound_;
+    Matrix6d axes_;
 };
 
 }  // namespace loopline::least_squares

@@ -40,7 +40,7 @@ MotionState predict(const MotionState& state, const GivenMotion& given, double d
     next.covariance.setZero();
     next.covariance.topLeftCorner<6, 6>() =
         inertial::grown(state.covariance.topLeftCorner<6, 6>(), state.T_map_base, next.T_map_base, motion);
-    next.covariance.bottomRightCorner<6, 6>() = R * velocity * R.transpose();
+    next.covariance.bottomRightCorner<6, 6>() = propagated(R, velocity);
     // What a whole way is off by that nothing else tells, less what was of it before.
     const Eigen::Vector3d way_m = next.T_map_base.translation_m - state.T_map_base.translation_m;
     const double length_m = way_m.norm(), off2 = given.sigma_scale * given.sigma_scale;

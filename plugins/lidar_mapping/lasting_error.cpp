@@ -1,32 +1,31 @@
 #include "lidar_mapping/lasting_error.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "api/dense_algebra.h"
 
 namespace loopline::lidar_mapping {
 
 Matrix6d of_coming_back(const Registration& found, const Matrix6d& before) {
-    const Eigen::Matrix<double, 6, 1> back = before * found.predicted.ldlt().solve(found.correction);
+    const Vector6d back = before * solved(found.predicted, found.correction);
     return back * back.transpose();
 }
 
 Matrix6d what_lasts(const Registration& found) {
     // Where the surroundings hold a sweep better than this, it is not by chance.
     constexpr double well_held_m = 0.004;
-    Eigen::Matrix<double, 6, 1> lever;  // a turn counts by what it moves
+    Vector6d lever;  // a turn counts by what it moves
     lever << 1, 1, 1, Eigen::Vector3d::Constant(found.mean_range_m);
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(lever.asDiagonal() * found.by_scan *
-                                                        lever.asDiagonal());
+    const Spectrum spectrum = spectrum_of(lever.asDiagonal() * found.by_scan * lever.asDiagonal());
     const double renewed = 1 / std::max(1.0, found.age_sweeps);
-    Eigen::Matrix<double, 6, 1> lasting_m2 = eigen.eigenvalues().cwiseMax(0);
+    Vector6d lasting_m2 = spectrum.values.cwiseMax(0);
     for (double& m2 : lasting_m2) {
         const double doubt = std::pow(m2 / (well_held_m * well_held_m), 2);
         m2 *= renewed + (1 - renewed) * doubt / (1 + doubt);
     }
-    const Matrix6d directions = lever.cwiseInverse().asDiagonal() * eigen.eigenvectors();
-    return directions * lasting_m2.asDiagonal() * directions.transpose();
+    const Matrix6d directions = lever.cwiseInverse().asDiagonal() * spectrum.vectors;
+    return propagated(directions, lasting_m2.asDiagonal().toDenseMatrix());
 }
 
 }  // namespace loopline::lidar_mapping

@@ -2,6 +2,7 @@
 
 #include "api/pose_observation.h"
 #include "api/sweep_classes.h"
+#include "inertial/rotation_vector.h"
 #include "lidar_mapping/matching_parameters.h"
 #include "lidar_mapping/upright_walls.h"
 
@@ -99,7 +100,7 @@ void LidarMappingModule::look_for_upright(const LedSweeps::Sweep& sweep, const P
     upright_due_m_ = way_m_ + (upright ? every_m : again_m);
     if (!upright) return;
     Pose3 T_level_map;
-    T_level_map.rotation = Eigen::Quaterniond::FromTwoVectors(upright->up_map, Eigen::Vector3d::UnitZ());
+    T_level_map.rotation = inertial::upright(upright->up_map);
     Matrix6d covariance = unknown * unknown * Matrix6d::Identity();
     covariance.block<2, 2>(3, 3) = upright->covariance_rad2;
     publisher.publish(pose_observation(upright_label, sweep.timestamp, T_level_map, covariance),

@@ -1,5 +1,6 @@
 #include "lidar_mapping/motion_state.h"
 
+#include "api/dense_algebra.h"
 #include "inertial/pose_error.h"
 #include "inertial/rotation_vector.h"
 
@@ -41,8 +42,8 @@ MotionState predict(const MotionState& state, double duration_s, const MotionNoi
     // An acceleration that is constant over the duration.
     Eigen::Matrix<double, 12, 6> G;
     G << duration_s * duration_s / 2 * Matrix6d::Identity(), duration_s * Matrix6d::Identity();
-    next.covariance =
-        F * state.covariance * F.transpose() + G * noise.sigmas().cwiseAbs2().asDiagonal() * G.transpose();
+    next.covariance = propagated(F, state.covariance) +
+                      propagated(G, noise.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
     return next;
 }
 
@@ -100,7 +101,7 @@ SweepVector sweep_difference(const MotionState& to, const MotionState& from) {
 SweepMatrix sweep_covariance(const MotionState& predicted) {
     const Matrix6d R = inertial::turned_both(predicted.T_map_base.rotation);
     const auto along_map = [&](const Vector6d& sigma) {
-        return Matrix6d(R * sigma.cwiseAbs2().cwiseMax(least_variance).asDiagonal() * R.transpose());
+        return propagated(R, sigma.cwiseAbs2().cwiseMax(least_variance).asDiagonal().toDenseMatrix());
     };
     SweepMatrix covariance = SweepMatrix::Zero();
     covariance.topLeftCorner<12, 12>() = predicted.covariance;

@@ -1,12 +1,11 @@
 #include "lidar_mapping/registration.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 
+#include "api/dense_algebra.h"
 #include "least_squares/held_directions.h"
 #include "lidar_mapping/shared_errors.h"
 
@@ -172,11 +171,11 @@ struct Evidence {
     Evidence(const NormalEquations& sums, const HeldDirections& held, const SweepMatrix& noise) {
         for (int at = 0; at < sweep_errors; at += 6) onto_held.block<6, 6>(at, at) = held.projection();
         const SweepMatrix onto = onto_held.transpose(),
-                          real = onto * (sums.all.matrix() - sums.chance.matrix()) * onto.transpose();
+                          real = propagated(onto, sums.all.matrix() - sums.chance.matrix());
         const Eigen::Map<const SweepVector> g(sums.gradient.data());
-        const Eigen::LDLT<SweepMatrix> ldlt(noise);
-        information = real * ldlt.solve(real);
-        gradient = real * ldlt.solve(onto * g);
+        const SweepMatrix by_noise = solved(noise, real).transpose();
+        information = by_noise * real;
+        gradient = by_noise * (onto * g);
     }
 };
 
@@ -270,13 +269,13 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
                             WorkerPool& workers, const MotionState* start) {
     Registration result;
     result.state = start != nullptr ? *start : predicted;
-    const SweepMatrix before = sweep_covariance(predicted), prior = before.inverse();
+    const SweepMatrix before = sweep_covariance(predicted), prior = inverse_of(before);
     NormalEquations sums;
     std::vector<PointSays> says;
     SweepMatrix gain = SweepMatrix::Zero(), of_scan = gain;
     const auto step_from = [&](const MotionState& at, const Evidence& scan) {
         of_scan = scan.information;
-        gain = scan.onto_held * (scan.information + prior).inverse();
+        gain = scan.onto_held * inverse_of(scan.information + prior);
         const SweepVector to_predicted = sweep_difference(predicted, at);
         return SweepVector(to_predicted + gain * (scan.gradient - scan.information * to_predicted));
     };
@@ -295,9 +294,8 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
             step = step_from(at, Evidence(sums, held, errors_of(says).covariance(noise)));
         result.state = sweep_moved_by(at, step);
     }
-    const SweepMatrix left = SweepMatrix::Identity() - gain * of_scan,
-                      by_scan = gain * of_scan * gain.transpose(),
-                      by_prediction = left * before * left.transpose();
+    const SweepMatrix left = SweepMatrix::Identity() - gain * of_scan, by_scan = propagated(gain, of_scan),
+                      by_prediction = propagated(left, before);
     result.state.covariance = (by_scan + by_prediction).topLeftCorner<12, 12>();
     result.predicted = predicted.covariance.topLeftCorner<6, 6>();
     result.correction = difference(result.state, predicted).head<6>();

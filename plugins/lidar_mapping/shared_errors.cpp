@@ -1,8 +1,9 @@
 #include "lidar_mapping/shared_errors.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "api/dense_algebra.h"
 
 namespace loopline::lidar_mapping {
 namespace {
@@ -26,11 +27,10 @@ SweepMatrix SharedErrors::covariance(const SweepMatrix& alone) const {
         std::pow(1 + std::sqrt(static_cast<double>(sweep_errors) / (sectors * rings)), 2);
     SweepMatrix together = SweepMatrix::Zero();
     for (const SweepVector& g : clusters_) together += g * g.transpose();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<SweepMatrix> eigen(together, alone);
-    if (!(eigen.eigenvalues()[sweep_errors - 1] > by_chance)) return alone;
-    const SweepVector lambda = (eigen.eigenvalues().array() + (1 - by_chance)).cwiseMax(1.0);
-    const SweepMatrix half = alone * eigen.eigenvectors();
-    return half * lambda.asDiagonal() * half.transpose();
+    const Spectrum spectrum = spectrum_relative_to(alone, together);
+    if (!(spectrum.values[sweep_errors - 1] > by_chance)) return alone;
+    const Eigen::VectorXd lambda = (spectrum.values.array() + (1 - by_chance)).cwiseMax(1.0);
+    return propagated(alone * spectrum.vectors, lambda.asDiagonal().toDenseMatrix());
 }
 
 }  // namespace loopline::lidar_mapping

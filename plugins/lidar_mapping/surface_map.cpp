@@ -41,10 +41,10 @@ std::uint64_t part_of(const Eigen::Vector3f& u) {
 /// The part that a return lies in, and those of the cube into which noise may have put it instead.
 /// `variance`: along each axis, in parts of the edge, squared.
 std::uint64_t parts_about(const Eigen::Vector3f& u, const Eigen::Vector3f& variance) {
-    constexpr float sigmas = 2, most = 0.4F / parts;
+    constexpr float sigmas = 2, largest = 0.4F / parts;
     std::uint64_t about = part_of(u);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const float margin = std::min(most, sigmas * std::sqrt(variance[axis]));
+        const float margin = std::min(largest, sigmas * std::sqrt(variance[axis]));
         Eigen::Vector3f beside = u;
         for (const float v : {u[axis] - margin, u[axis] + margin}) {
             beside[axis] = v;

@@ -1,9 +1,9 @@
 #include "lidar_mapping/sweep_mapping.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "api/dense_algebra.h"
 #include "inertial/pose_error.h"
 #include "lidar_mapping/lasting_error.h"
 #include "lidar_mapping/place_noise.h"
@@ -37,7 +37,7 @@ bool has_moved(const MotionState& from, const MotionState& to) {
     constexpr double contradiction = 50;
     const Vector12d moved = difference(to, from);
     const Matrix6d covariance = to.covariance.topLeftCorner<6, 6>();
-    return moved.head<6>().dot(covariance.ldlt().solve(moved.head<6>())) > contradiction;
+    return squared_in_sigmas(moved.head<6>(), covariance) > contradiction;
 }
 
 }  // namespace
@@ -81,8 +81,8 @@ void SweepMapping::carry_covariance(const Eigen::Vector3d& way_m, const Matrix6d
     if (sweeps_ == 0 || stands_) return;
     const Matrix6d F = inertial::carried_along(way_m);
     const bool sets_off = covariance_.isZero();
-    covariance_ = F * covariance_ * F.transpose() + last_.by_prediction +
-                  of_coming_back(last_, F * free_before * F.transpose()) +
+    covariance_ = propagated(F, covariance_) + last_.by_prediction +
+                  of_coming_back(last_, propagated(F, free_before)) +
                   (sets_off ? last_.by_scan : what_lasts(last_));
 }
 

@@ -1,6 +1,5 @@
 #include "lidar_mapping/upright_walls.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <vector>
@@ -42,8 +41,8 @@ std::optional<Upright> upright_by_walls(const SurfaceMap& map) {
             information += weight * j * j.transpose();
             gradient += weight * e * j;
         }
-        turn -= information.ldlt().solve(gradient);
         upright.covariance_rad2 = information.inverse();
+        turn -= upright.covariance_rad2 * gradient;
     }
     upright.up_map = Eigen::Vector3d(turn.y(), -turn.x(), 1).normalized();
     upright.walls = static_cast<int>(walls.size());

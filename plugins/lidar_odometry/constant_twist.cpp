@@ -1,7 +1,6 @@
 #include "lidar_odometry/constant_twist.h"
 
-#include <Eigen/LU>
-
+#include "api/dense_algebra.h"
 #include "inertial/rotation_vector.h"
 
 namespace loopline::lidar_odometry {
@@ -30,7 +29,7 @@ Matrix6d left_jacobian_se3(const Twist3& twist) {
 ConstantTwist::ConstantTwist(const Pose3& T_before_now, double duration_s)
     : twist_(log_se3(T_before_now)), duration_s_(duration_s) {
     const Matrix6d ad = adjoint(twist_), J = left_jacobian_se3(twist_);
-    series_[0] = J.inverse();
+    series_[0] = inverse_of(J);
     for (std::size_t k = 1; k < terms; ++k) series_[k] = ad * series_[k - 1] / static_cast<double>(k + 1);
 }
 

@@ -1,11 +1,9 @@
 #include "lidar_odometry/scan_to_scan.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "api/dense_algebra.h"
 #include "least_squares/held_directions.h"
 
 namespace loopline::lidar_odometry {
@@ -31,7 +29,7 @@ class Matcher {
           expected_(expected),
           settings_(settings),
           workers_(workers),
-          prior_(expected.covariance.inverse()) {
+          prior_(inverse_of(expected.covariance)) {
         for (const Feature& edge : now.edges)
             if (edge.matched != 0) edges_.push_back(&edge);
         for (const Feature& planar : now.planar)
@@ -190,7 +188,7 @@ double Matcher::descend(Pose3& T_before_now) {
         const Vector6d off = vector_of(log_se3(expected_.T_before_now * T_before_now.inverse()));
         Matrix6d H = P.transpose() * sums.H * P + prior_;
         H.diagonal() *= 1 + damping;
-        const Vector6d step = H.ldlt().solve(P.transpose() * sums.g + prior_ * off);
+        const Vector6d step = solved(H, P.transpose() * sums.g + prior_ * off);
         if (!step.allFinite()) break;
         const Pose3 next = moved(T_before_now, step);
         if (step.head<3>().norm() < settings_.enough_m && step.tail<3>().norm() < settings_.enough_rad) {
@@ -226,7 +224,7 @@ void Matcher::finish(MatchedMotion& result) const {
                    directions.weakest_moves_m()};
     // What the model leaves unexplained counts as noise.
     const double per_scatter = 1 / std::max(1.0, result.rms_sigmas * result.rms_sigmas);
-    result.covariance = (per_scatter * directions.information() + prior_).inverse();
+    result.covariance = inverse_of(per_scatter * directions.information() + prior_);
 }
 
 MatchedMotion Matcher::match() {

@@ -1,8 +1,8 @@
 #include "lidar_odometry/sweep_odometry.h"
 
-#include <Eigen/LU>
 #include <cmath>
 
+#include "api/dense_algebra.h"
 #include "inertial/pose_error.h"
 
 namespace loopline::lidar_odometry {
@@ -128,8 +128,8 @@ void SweepOdometry::follow(const MatchedMotion& motion, const ExpectedMotion& ex
         change << now.shift_m - before.shift_m, now.turn_rad - before.turn_rad;
         covariance.diagonal() += (change / 8).cwiseAbs2();
     }
-    const Matrix6d kept = motion.covariance * expected.covariance.inverse();
-    carry_covariance(to_map * covariance * to_map.transpose(), to_map * kept * to_map.inverse(),
+    const Matrix6d kept = motion.covariance * inverse_of(expected.covariance);
+    carry_covariance(propagated(to_map, covariance), to_map * kept * inverse_of(to_map),
                      T_map_middle_.translation_m - T_map_before.translation_m, expected.duration_s);
 }
 
@@ -140,8 +140,7 @@ void SweepOdometry::carry_covariance(const Matrix6d& motion, const Matrix6d& kep
     const Matrix6d carry = inertial::carried_along(way_m);
     const Matrix6d way_motion = carry * way_velocity_ * (duration_s * kept).transpose();
     step_.motion_covariance = motion;
-    step_.covariance =
-        carry * step_.covariance * carry.transpose() + way_motion + way_motion.transpose() + motion;
+    step_.covariance = propagated(carry, step_.covariance) + way_motion + way_motion.transpose() + motion;
     way_velocity_ = (way_motion + motion) / duration_s;
     velocity_covariance_ = motion / (duration_s * duration_s);
 }

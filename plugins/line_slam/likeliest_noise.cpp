@@ -1,6 +1,6 @@
 #include "line_slam/likeliest_noise.h"
 
-#include <Eigen/Cholesky>
+#include "api/dense_algebra.h"
 
 namespace loopline::line_slam {
 
@@ -14,9 +14,8 @@ NoiseEstimate likeliest_noise(CalibrationSolver& solver, CalibrationGraph& graph
     for (int i = 0; i < most_steps; ++i) {
         const auto now = solver.likelihood(graph, e.log_variance);
         const NoiseVector gradient = now.gradient - prior.information * (e.log_variance - prior.mean);
-        const Eigen::LDLT<NoiseMatrix> information(now.information + prior.information);
-        NoiseVector step = information.solve(gradient);
-        e.covariance = information.solve(NoiseMatrix::Identity());
+        e.covariance = solved(now.information + prior.information, NoiseMatrix::Identity());
+        NoiseVector step = e.covariance * gradient;
         e.good = step.allFinite();
         if (!e.good || gradient.dot(step) < good_enough) return e;
         // Far from the maximum a parabola is a bad picture of the likelihood.

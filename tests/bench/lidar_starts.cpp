@@ -53,7 +53,7 @@ template <class Add>
 void start(const std::deque<lidar::SpinningScan>& sweeps, double truth_mps, Outcome& outcome,
            const Add& add) {
     double second_ms = 0;
-    Eigen::Vector3d v_base_mps;
+    Eigen::Vector3d v_base_mps = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < sweeps.size(); ++k) {
         const double begin_ms = cpu_ms();
         v_base_mps = add(sweeps[k]);

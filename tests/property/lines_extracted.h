@@ -5,6 +5,7 @@
 #include <memory>
 #include <random>
 
+#include "api/dense_algebra.h"
 #include "lines/line_extractor.h"
 #include "property/lines_world.h"
 
@@ -46,7 +47,7 @@ inline double nearest_in_sigmas(const LineSegment& line, const LineSegments& seg
     for (const auto& s : segments) {
         const Eigen::Vector2d d(s.rho_m - line.rho_m, wrap_to_pi(s.alpha_rad - line.alpha_rad));
         if (std::abs(d(1)) > 0.2 || (s.start_m - line.start_m).norm() > line.length_m()) continue;
-        nearest = std::min(nearest, std::sqrt(d.dot(line.covariance.inverse() * d)));
+        nearest = std::min(nearest, std::sqrt(squared_in_sigmas(d, line.covariance)));
     }
     return nearest;
 }

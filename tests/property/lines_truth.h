@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "api/dense_algebra.h"
 #include "lines/line_segment.h"
 #include "property/lines_world.h"
 
@@ -63,7 +64,7 @@ struct Score {
             const TrueLine truth = true_line(world.walls[w], T_world_sensor);
             const Eigen::Vector2d error(s.rho_m - truth.rho_m,
                                         loopline::wrap_to_pi(s.alpha_rad - truth.alpha_rad));
-            const double nees = error.dot(s.covariance.inverse() * error);
+            const double nees = squared_in_sigmas(error, s.covariance);
             if (nees > 25 + 2 || std::abs(error(1)) > 0.3) {
                 ++false_lines;
                 continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "api/dense_algebra.h"
 #include "fusion/earth_path.h"
 
 namespace loopline::fusion::test {
@@ -160,7 +161,7 @@ inline double nees(const Pose3& estimate, const Pose3& truth, const Matrix6d& co
     Eigen::Matrix<double, 6, 1> e;
     e << estimate.translation_m - truth.translation_m,
         inertial::log_so3(estimate.rotation * truth.rotation.conjugate());
-    return e.dot(covariance.ldlt().solve(e));
+    return squared_in_sigmas(e, covariance);
 }
 
 }  // namespace loopline::fusion::test

@@ -168,7 +168,9 @@ TEST(FindHeading, leaves_out_what_was_reflected) {
     ASSERT_EQ(static_cast<std::ptrdiff_t>(found.size()), std::count(good.begin(), good.end(), true));
     std::size_t next = 0;
     for (std::size_t k = 0; k < fixes.size(); ++k)
-        if (good[k]) EXPECT_EQ(found[next++].time_s, fixes[k].time_s);
+        if (good[k]) {
+            EXPECT_EQ(found[next++].time_s, fixes[k].time_s);
+        }
     const auto heading = find_heading(found);
     ASSERT_TRUE(heading);
     EXPECT_NEAR(heading->T_enu_local.yaw_rad(), 1.1, 3 * heading->sigma_rad);

@@ -7,6 +7,7 @@
 
 #include <functional>
 
+#include "api/dense_algebra.h"
 #include "api/state_archive.h"
 #include "inertial/planar_updates.h"
 #include "least_squares/chi_square.h"
@@ -266,7 +267,7 @@ struct Trust {
                 measure(filter, run.truth[at], run.samples[at], draw);
             if (step % (last / looks) == 0) {
                 const ErrorVector e = error_between(filter.state(), run.truth[at]);
-                nees[step / (last / looks) - 1] += e.dot(filter.covariance().llt().solve(e));
+                nees[step / (last / looks) - 1] += squared_in_sigmas(e, filter.covariance());
             }
         }
     }

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "api/dense_algebra.h"
 #include "line_slam/calibration_section.h"
 #include "line_slam/likeliest_noise.h"
 #include "support/line_slam_world.h"
@@ -162,7 +163,7 @@ class DenseDrive {
         const Eigen::MatrixXd of_walls = walls.transpose() * of_V.solve(walls);
         const Eigen::VectorXd pull = walls.transpose() * of_V.solve(v);
         return of_V.vectorD().array().log().sum() + of_walls.ldlt().vectorD().array().log().sum() +
-               v.dot(of_V.solve(v)) - pull.dot(of_walls.ldlt().solve(pull));
+               v.dot(of_V.solve(v)) - squared_in_sigmas(pull, of_walls);
     }
 
  private:

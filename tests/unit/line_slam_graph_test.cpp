@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <random>
 
+#include "api/dense_algebra.h"
 #include "least_squares/selected_inverse.h"
 #include "line_slam/pose_line_graph.h"
 #include "support/line_slam_world.h"
@@ -148,7 +149,7 @@ TEST(LineSlamGraph, covariances_cover_the_errors) {
         const Eigen::Matrix3d covariance = solver.pose_covariances().back();
         const Pose2 &e = graph.poses.back(), &t = truth.poses.back();
         const Eigen::Vector3d error(e.x_m - t.x_m, e.y_m - t.y_m, wrap_to_pi(e.phi_rad - t.phi_rad));
-        sum += error.dot(covariance.inverse() * error);
+        sum += squared_in_sigmas(error, covariance);
     }
     // 95 % band of chi-square with 180 degrees of freedom, over 60.
     EXPECT_GT(sum / runs, 2.41);

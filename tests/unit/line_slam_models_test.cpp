@@ -200,7 +200,7 @@ TEST_F(LineSlamModels, error_maps_agree_with_central_differences) {
     }
 }
 
-TEST_F(LineSlamModels, innovation_of_a_far_wall_is_zero_on_the_average_where_its_direction_is_vague) {
+TEST(LineSlamInnovation, of_a_far_wall_is_zero_on_the_average_where_its_direction_is_vague) {
     // A stretch at 15 m, seen ahead, aside and obliquely: its middle to 5 mm, its direction to 1 degree.
     std::mt19937_64 random(4);
     std::normal_distribution<double> normal(0, 1);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <random>
 
+#include "api/dense_algebra.h"
 #include "least_squares/chi_square.h"
 #include "line_slam/association.h"
 #include "line_slam/place_recognition.h"
@@ -176,7 +177,7 @@ TEST(LineSlamAssociation, branch_and_bound_finds_what_trying_everything_finds) {
                         filter.predicted_covariance(set[i].line, set[j].line);
                 S.block<2, 2>(at, at) += o.covariance;
             }
-            return m == 0 ? 0.0 : v.dot(S.llt().solve(v));
+            return m == 0 ? 0.0 : squared_in_sigmas(v, S);
         };
         std::size_t best_size = 0;
         double best_distance2 = 0;

@@ -250,7 +250,9 @@ TEST(Traffic, cars_stand_until_the_vehicle_is_near_then_leave_and_meet_nothing) 
     for (std::size_t car = 0; car < stood_at.size(); ++car) {
         EXPECT_LT(nearest_m[car], 50) << car;
         // Unless the drive ends before.
-        if (stood_at[car].x() < 900) EXPECT_GT(driven_m[car], 30) << car;
+        if (stood_at[car].x() < 900) {
+            EXPECT_GT(driven_m[car], 30) << car;
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 /// Drives through a yard whose cloud is finished: the start by a fix, errors and what is claimed of them,
 /// lost and found again, and fixes that contradict.
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 
+#include "api/dense_algebra.h"
 #include "cloud_localisation/localised_path.h"
+#include "inertial/rotation_vector.h"
 #include "support/cloud_in_yard.h"
 
 using namespace loopline;
@@ -64,8 +64,8 @@ TEST(CloudLocalisation, begins_at_a_fix_and_claims_what_it_errs_by) {
         const Pose3 truth = drive.at(first + sweeps - 1);
         Eigen::Matrix<double, 6, 1> e;
         e << latest.T_map_base.translation_m - truth.translation_m - shift_m,
-            lidar_mapping::difference({latest.T_map_base, {}, {}}, {truth, {}, {}}).segment<3>(3) - turn_rad;
-        sum += e.dot(latest.covariance.inverse() * e);
+            inertial::log_so3(latest.T_map_base.rotation * truth.rotation.conjugate()) - turn_rad;
+        sum += squared_in_sigmas(e, latest.covariance);
         EXPECT_LT((latest.T_map_base.translation_m - truth.translation_m).norm(), 0.02);
     }
     // 95 % of a chi-square of 48 degrees of freedom, by 8.
@@ -87,10 +87,11 @@ TEST(CloudLocalisation, claims_what_noise_makes_where_the_map_is_right) {
         for (int k = 9 * run; k < 9 * run + sweeps; ++k)
             latest = localisation.add(sweep_at(yard(), drive.at(k), drive.velocity, stamp_of(k), random));
         ASSERT_TRUE(latest.known) << localisation.latest_look().reason;
-        const Eigen::Matrix<double, 6, 1> e =
-            lidar_mapping::difference({latest.T_map_base, {}, {}}, {drive.at(9 * run + sweeps - 1), {}, {}})
-                .head<6>();
-        sum += e.dot(latest.covariance.inverse() * e);
+        const Pose3 truth = drive.at(9 * run + sweeps - 1);
+        Eigen::Matrix<double, 6, 1> e;
+        e << latest.T_map_base.translation_m - truth.translation_m,
+            inertial::log_so3(latest.T_map_base.rotation * truth.rotation.conjugate());
+        sum += squared_in_sigmas(e, latest.covariance);
     }
     // The map's own noise is common to the sweeps of a place, which sigma_map_* is for: more than 6, not
     // much.
@@ -189,7 +190,7 @@ TEST(CloudLocalisation, gives_up_in_a_tunnel_and_knows_how_fast_it_went_through)
         }
         if (sweep.known) {
             const Eigen::Vector3d off_m = sweep.T_map_base.translation_m - at(k).translation_m;
-            EXPECT_LT(off_m.dot(sweep.covariance.topLeftCorner<3, 3>().ldlt().solve(off_m)), 30) << k;
+            EXPECT_LT(squared_in_sigmas(off_m, sweep.covariance.topLeftCorner<3, 3>()), 30) << k;
         }
     }
     EXPECT_EQ(localisation.counts().lost, 1);
@@ -201,7 +202,7 @@ TEST(CloudLocalisation, gives_up_in_a_tunnel_and_knows_how_fast_it_went_through)
     const Eigen::Vector3d off_m = entry.T_map_base.translation_m - at(inside).translation_m;
     const Eigen::Matrix3d covariance = entry.covariance.matrix().topLeftCorner<3, 3>();
     EXPECT_LT(off_m.norm(), 3);
-    EXPECT_LT(off_m.dot(covariance.ldlt().solve(off_m)), 16);
+    EXPECT_LT(squared_in_sigmas(off_m, covariance), 16);
     EXPECT_GT(std::sqrt(covariance(0, 0)), 0.3);
 }
 

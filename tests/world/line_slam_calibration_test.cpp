@@ -2,6 +2,7 @@
 /// errors?
 #include <gtest/gtest.h>
 
+#include "api/dense_algebra.h"
 #include "line_slam/calibration_section.h"
 #include "support/slipping_vehicle.h"
 
@@ -124,7 +125,7 @@ TEST(LineSlamCalibration, a_run_with_it_predicts_as_well_as_it_says) {
         for (const auto& p : vehicle.predictions()) {
             const Eigen::Vector3d e(p.error.left_m, p.error.right_m, p.error.side_m);
             square_m2 += e.squaredNorm();
-            normalised += e.dot(p.covariance.ldlt().solve(e));
+            normalised += squared_in_sigmas(e, p.covariance);
         }
         const auto n = static_cast<double>(vehicle.predictions().size());
         return std::pair(std::sqrt(square_m2 / n), normalised / n);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "api/dense_algebra.h"
 #include "line_slam/line_ekf_slam.h"
 #include "line_slam/smoother.h"
 #include "support/line_slam_world.h"
@@ -71,7 +72,7 @@ RingRun drive_around(std::uint64_t seed) {
 double nees(const Pose2& estimate, const Pose2& truth, const Eigen::Matrix3d& covariance) {
     const Eigen::Vector3d e(estimate.x_m - truth.x_m, estimate.y_m - truth.y_m,
                             wrap_to_pi(estimate.phi_rad - truth.phi_rad));
-    return e.dot(covariance.inverse() * e);
+    return squared_in_sigmas(e, covariance);
 }
 
 /// Bounds of the mean of `seeds` independent NEES of three degrees of freedom: chi-square with 600

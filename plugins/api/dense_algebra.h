@@ -1,0 +1,31 @@
+/// What costs a compiler seconds for each size of matrix, compiled once for all sizes. Matrices of fixed size
+/// go in as they are, and a result fits into one. From about 4 x 4 on it takes no longer than Eigen's own of
+/// a fixed size; what is done for every point of a scan is not done by these.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace loopline {
+
+using MatrixIn = const Eigen::Ref<const Eigen::MatrixXd>&;
+using VectorIn = const Eigen::Ref<const Eigen::VectorXd>&;
+
+/// A^-1 B of a symmetric A that is not negative.
+Eigen::MatrixXd solved(MatrixIn A, MatrixIn B);
+/// e' P^-1 e: the square of Mahalanobis' distance; chi-square if P is the covariance of e.
+double squared_in_sigmas(VectorIn e, MatrixIn P);
+/// A^-1 of a regular A.
+Eigen::MatrixXd inverse_of(MatrixIn A);
+/// F P F': the covariance of F e, P that of e.
+Eigen::MatrixXd propagated(MatrixIn F, MatrixIn P);
+
+/// Of a symmetric matrix: eigenvalues from the least one on, and eigenvectors of length 1 as columns.
+struct Spectrum {
+    Eigen::VectorXd values;
+    Eigen::MatrixXd vectors;
+};
+Spectrum spectrum_of(MatrixIn A);
+/// The same relative to a positive B: A V = B V diag(values), V' B V = I.
+Spectrum spectrum_relative_to(MatrixIn B, MatrixIn A);
+
+}  // namespace loopline
