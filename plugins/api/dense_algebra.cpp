@@ -18,9 +18,24 @@ Eigen::MatrixXd inverse_of(MatrixIn A) {
     return Eigen::PartialPivLU<Eigen::MatrixXd>(A).inverse();
 }
 
+Eigen::MatrixXd product(MatrixIn A, MatrixIn B) {
+    return A * B;
+}
+
 Eigen::MatrixXd propagated(MatrixIn F, MatrixIn P) {
     const Eigen::MatrixXd FP = F * P;
     return FP * F.transpose();
+}
+
+Eigen::MatrixXd kalman_gain(MatrixIn P, MatrixIn H, MatrixIn S) {
+    const Eigen::MatrixXd HP = H * P;
+    return solved(S, HP).transpose();
+}
+
+Eigen::MatrixXd updated_covariance(MatrixIn P, MatrixIn K, MatrixIn H, MatrixIn R) {
+    Eigen::MatrixXd left = -K * H;
+    left.diagonal().array() += 1;
+    return propagated(left, P) + propagated(K, R);
 }
 
 Spectrum spectrum_of(MatrixIn A) {

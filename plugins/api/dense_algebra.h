@@ -16,8 +16,15 @@ Eigen::MatrixXd solved(MatrixIn A, MatrixIn B);
 double squared_in_sigmas(VectorIn e, MatrixIn P);
 /// A^-1 of a regular A.
 Eigen::MatrixXd inverse_of(MatrixIn A);
+/// A B.
+Eigen::MatrixXd product(MatrixIn A, MatrixIn B);
 /// F P F': the covariance of F e, P that of e.
 Eigen::MatrixXd propagated(MatrixIn F, MatrixIn P);
+/// Kalman's K = P H' S^-1, S the covariance of the innovation.
+Eigen::MatrixXd kalman_gain(MatrixIn P, MatrixIn H, MatrixIn S);
+/// (I - K H) P (I - K H)' + K R K': what a measurement of noise R leaves of P, by Joseph's form, which is
+/// symmetric and positive whatever the rounding.
+Eigen::MatrixXd updated_covariance(MatrixIn P, MatrixIn K, MatrixIn H, MatrixIn R);
 
 /// Of a symmetric matrix: eigenvalues from the least one on, and eigenvectors of length 1 as columns.
 struct Spectrum {

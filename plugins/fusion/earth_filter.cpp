@@ -87,15 +87,11 @@ WheelInnovation innovation_of_wheels(const StateAndMotion& both, const Twist2& t
 
 template <int rows>
 EarthState updated(const EarthState& state, const Innovation<rows>& innovation) {
-    const Eigen::Matrix<double, state_errors, rows> PHt = state.covariance * innovation.H.transpose();
-    const Eigen::Matrix<double, state_errors, rows> K =
-        solved(innovation.covariance, PHt.transpose()).transpose();
-    EarthState after = moved_by(state, K * innovation.off);
-    // Joseph's form: symmetric and positive whatever the rounding.
-    const StateMatrix left = StateMatrix::Identity() - K * innovation.H;
+    const Eigen::MatrixXd K = kalman_gain(state.covariance, innovation.H, innovation.covariance);
+    EarthState after = moved_by(state, product(K, innovation.off));
     const Eigen::Matrix<double, rows, rows> R =
         innovation.covariance - propagated(innovation.H, state.covariance);
-    after.covariance = propagated(left, state.covariance) + propagated(K, R);
+    after.covariance = updated_covariance(state.covariance, K, innovation.H, R);
     return after;
 }
 
@@ -103,16 +99,13 @@ template EarthState updated(const EarthState&, const Innovation<2>&);
 template EarthState updated(const EarthState&, const Innovation<3>&);
 
 StateAndMotion updated(const StateAndMotion& both, const WheelInnovation& innovation) {
-    const Eigen::Matrix<double, StateAndMotion::errors, 3> PHt = both.covariance * innovation.H.transpose();
-    const Eigen::Matrix<double, StateAndMotion::errors, 3> K =
-        solved(innovation.covariance, PHt.transpose()).transpose();
-    const Eigen::Matrix<double, StateAndMotion::errors, 1> error = K * innovation.off;
+    const Eigen::MatrixXd K = kalman_gain(both.covariance, innovation.H, innovation.covariance);
+    const Eigen::Matrix<double, StateAndMotion::errors, 1> error = product(K, innovation.off);
     StateAndMotion after;
     after.state = moved_by(both.state, error.head<state_errors>());
     after.T_from_to.translation_m = both.T_from_to.translation_m + error.segment<3>(state_errors);
     after.T_from_to.rotation = (exp_so3(error.tail<3>()) * both.T_from_to.rotation).normalized();
-    const StateAndMotion::Matrix left = StateAndMotion::Matrix::Identity() - K * innovation.H;
-    after.covariance = propagated(left, both.covariance) + propagated(K, innovation.noise);
+    after.covariance = updated_covariance(both.covariance, K, innovation.H, innovation.noise);
     after.state.covariance = after.covariance.topLeftCorner<state_errors, state_errors>();
     return after;
 }
@@ -132,9 +125,9 @@ Carried carry(const StateAndMotion& both, double duration_s, const FixErrorProce
     F.topLeftCorner<6, 6>() = carried_along(after.T_enu_base.translation_m - before.T_enu_base.translation_m);
     F.block<3, 3>(fix_errors_at, fix_errors_at) *= keeps;
     F.topRightCorner<6, 6>() = turned_both(before.T_enu_base.rotation);
-    const Eigen::Matrix<double, StateAndMotion::errors, state_errors> PFt = both.covariance * F.transpose();
+    const Eigen::MatrixXd PFt = product(both.covariance, F.transpose());
     carried.before_and_after = PFt.topRows<state_errors>();
-    after.covariance = F * PFt;
+    after.covariance = product(F, PFt);
     after.covariance.diagonal().segment<3>(fix_errors_at) += (1 - keeps * keeps) * fixes.sigma_m.cwiseAbs2();
     after.covariance.diagonal().segment<wheel_error_count>(wheel_errors_at) +=
         both.T_from_to.translation_m.norm() / 1000 * wheels.drift_km.cwiseAbs2();

@@ -61,6 +61,7 @@ void FusionModule::keep_fix(const gnss::GnssFix& fix, FixUse use) {
     fixes_.push_back({fix.stamp_ns,
                       {p_enu_m.x(), p_enu_m.y(), fix.has_height ? p_enu_m.z() : NAN},
                       static_cast<std::uint64_t>(use)});
+    if (!p_base_antenna_m_) p_base_antenna_m_ = fix.p_base_antenna_m;
     if (!geoid_separation_m_ && fix.geoid_separation_m != 0) geoid_separation_m_ = fix.geoid_separation_m;
 }
 

@@ -81,6 +81,7 @@ class FusionModule : public Module {
     void hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const;
     void report_wheels(Results& results) const;
     void report_gaps(Results& results) const;
+    void report_lag(Results& results) const;
 
     enum class Filter { error_state, paper };
     Filter filter_ = Filter::error_state;
@@ -105,6 +106,7 @@ class FusionModule : public Module {
     SetAside<Online> online_;
     SetAside<PlacedFix> fixes_;                 ///< all with a place, as their fate was known
     std::optional<double> geoid_separation_m_;  ///< of the first of them
+    std::optional<Eigen::Vector3d> p_base_antenna_m_;
     std::filesystem::path scratch_folder_;
     std::int64_t backwards_ = 0, not_finite_ = 0;
 

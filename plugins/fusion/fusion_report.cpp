@@ -1,7 +1,9 @@
 /// What module "fusion" hands over at the end of a run: figures, the path's inputs, its place on the Earth.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
+#include "fusion/fix_lag.h"
 #include "fusion/fusion_module.h"
 
 namespace loopline {
@@ -11,6 +13,7 @@ using namespace fusion;
 namespace {
 constexpr double least_gap_way_m = 20;  // of which a part of the way makes sense
 constexpr std::size_t most_told_gaps = 99;
+constexpr double lag_matters_s = 0.05, lag_is_certain = 5;  // standard deviations
 }  // namespace
 
 /// What the path was made from, for who wants to compare: the motion alone, from the first pose on, and the
@@ -40,6 +43,7 @@ void FusionModule::report(Results& results) const {
     if (not_finite_ > 0) metrics["poses_not_finite"] = not_finite_;
     report_wheels(results);
     report_gaps(results);
+    report_lag(results);
     metrics["gnss_used"] = count(FixUse::used);
     metrics["gnss_refused"] = refused;
     if (!path_->known()) {
@@ -121,6 +125,35 @@ void FusionModule::report_gaps(Results& results) const {
     }
     sum_up("error_", &Gap::off_m);
     sum_up("dead_reckoning_", &Gap::dead_reckoning_off_m);
+}
+
+/// Fixes whose stamps are off contradict the path wherever its speed changes, and are refused there.
+void FusionModule::report_lag(Results& results) const {
+    if (!p_base_antenna_m_) return;
+    std::vector<PlaceAt> path, fixes;
+    online_.for_each(0, online_.size(), [&](const Online& pose) {
+        path.push_back({seconds_between(first_ns_, pose.stamp_ns),
+                        (pose.T_odom_base.pose() * *p_base_antenna_m_).head<2>()});
+    });
+    fixes_.for_each(0, fixes_.size(), [&](const PlacedFix& fix) {
+        fixes.push_back({seconds_between(first_ns_, fix.stamp_ns),
+                         Eigen::Map<const Eigen::Vector2d>(fix.p_map_m.data())});
+    });
+    std::sort(fixes.begin(), fixes.end(),
+              [](const PlaceAt& a, const PlaceAt& b) { return a.time_s < b.time_s; });
+    const auto lag = lag_of_fixes(path, fixes);
+    if (!lag) return;
+    results.metrics["gnss_lag_s"] = lag->lag_s;
+    results.metrics["gnss_lag_sigma_s"] = lag->sigma_s;
+    if (std::abs(lag->lag_s) < std::max(lag_matters_s, lag_is_certain * lag->sigma_s)) return;
+    char text[240];
+    std::snprintf(
+        text, sizeof(text),
+        "the stamps of the fixes are %.2f s %s against the motion (standard deviation %.2g s, by %zu "
+        "stretches of the path); set [fusion] latency_s = %.2f",
+        std::abs(lag->lag_s), lag->lag_s > 0 ? "late" : "early", lag->sigma_s, lag->stretches,
+        latency_s_ + lag->lag_s);
+    results.warnings.emplace_back(text);
 }
 
 }  // namespace loopline

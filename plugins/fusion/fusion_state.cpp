@@ -158,15 +158,16 @@ void fields(Archive& archive, FusionModule& m) {
         archive(m.upright_->first, m.upright_->second);
     }
     archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
-            m.fused_odometry_, m.online_, m.backwards_, m.not_finite_, m.fixes_, m.geoid_separation_m_);
+            m.fused_odometry_, m.online_, m.backwards_, m.not_finite_, m.fixes_, m.geoid_separation_m_,
+            m.p_base_antenna_m_);
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 7, *this);
+    write_state(out, info().name, 8, *this);
 }
 
 void FusionModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 7, *this);
+    read_state(in, info().name, 8, *this);
 }
 
 }  // namespace loopline

@@ -49,11 +49,9 @@ UpdateResult ErrorStateFilter::update(const ErrorMeasurement& measurement, doubl
         return result;
 
     result.status = UpdateResult::Status::accepted;
-    const Eigen::Matrix<double, error_size, Eigen::Dynamic> gain =
-        S_factor.solve(H * covariance_).transpose();
-    const ErrorVector error = gain * innovation;
-    const ErrorMatrix left = ErrorMatrix::Identity() - gain * H;
-    covariance_ = propagated(left, covariance_) + propagated(gain, R);
+    const Eigen::MatrixXd gain = S_factor.solve(product(H, covariance_)).transpose();
+    const ErrorVector error = product(gain, innovation);
+    covariance_ = updated_covariance(covariance_, gain, H, R);
     covariance_ = covariance_after_injection(covariance_, error);
     make_symmetric(covariance_);
     state_ = inject(state_, error);

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "api/dense_algebra.h"
+
 namespace loopline::landmark_odometry {
 namespace {
 
@@ -111,7 +113,7 @@ void LandmarkFilter::begin_anew() {
         state_.segment<2>(m) = p_base_m;
     }
     state_.head<3>().setZero();
-    covariance_ = (J * covariance_ * J.transpose()).eval();
+    covariance_ = propagated(J, covariance_);
     covariance_ = (0.5 * (covariance_ + covariance_.transpose())).eval();
 }
 

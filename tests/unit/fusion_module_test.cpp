@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gnss/gps_observation.h"
+
 using namespace loopline;
 
 namespace {
@@ -38,6 +40,50 @@ TEST(FusionModule, a_pose_that_is_no_number_is_left_out_and_counted) {
     EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("poses_backward")), 1);
     ASSERT_EQ(module.trajectory()->size(), 2U);
     EXPECT_NEAR((*module.trajectory())[1].T_map_base.translation_m.x(), 2, 1e-9);
+}
+
+/// Warnings after three minutes whose fixes, of 5 Hz, are stamped so much later than they are of.
+std::vector<std::string> warnings_of_late_fixes(double late_s, const std::string& latency_s) {
+    FusionModule module;
+    const ParameterTable table = module.parameters();
+    for (const auto& parameter : table.parameters())
+        if (parameter.name == "latency_s") {
+            EXPECT_FALSE(parameter.parse(latency_s));
+        }
+    module.start({});
+    Unheard publisher;
+    const gnss::LocalFrame earth({50, 8, 200});
+    Pose2 T{0, 0, 0.3};
+    std::uint64_t sequence = 0;
+    for (int k = 0; k < 1800; ++k) {
+        const double t = 0.1 * k;
+        const StampNs stamp_ns = 1'000'000'000'000LL + 100'000'000LL * k;
+        module.process({sequence++, stamp_ns,
+                        pose_observation("lidar_mapping", stamp_to_mrpt(stamp_ns), Pose3(T),
+                                         Matrix6d::Identity() * 1e-6)},
+                       publisher);
+        if (k % 2 == 0) {
+            gnss::GnssFix fix;
+            fix.stamp_ns = stamp_ns + std::llround(1e9 * late_s);
+            fix.quality = gnss::FixQuality::rtk_fixed;
+            fix.has_position = fix.has_height = true;
+            fix.antenna = earth.geodetic({T.x_m, T.y_m, 0});
+            module.process({sequence++, fix.stamp_ns, gnss::gps_observation(fix, "gnss")}, publisher);
+        }
+        T = T * Pose2{0.1 * (7 + 5 * std::sin(t / 6)), 0, 0.025 * std::sin(t / 9)};
+    }
+    Results results;
+    module.finish(results);
+    return results.warnings;
+}
+
+TEST(FusionModule, says_so_where_fixes_are_stamped_late) {
+    const auto warnings = warnings_of_late_fixes(0.4, "0");
+    ASSERT_FALSE(warnings.empty());
+    EXPECT_NE(warnings[0].find("are 0.40 s late"), std::string::npos) << warnings[0];
+    EXPECT_NE(warnings[0].find("set [fusion] latency_s = 0.40"), std::string::npos) << warnings[0];
+    EXPECT_TRUE(warnings_of_late_fixes(0.4, "0.4").empty());
+    EXPECT_TRUE(warnings_of_late_fixes(0, "0").empty());
 }
 
 TEST(FusionModule, settings_that_do_not_go_together_are_refused) {
