@@ -306,7 +306,7 @@ EarthPath::Placed EarthPath::update_place(const PresentFix& seen, double& off_m)
         if (was_wrong) return Placed::path_was_wrong;
         gain_foothold(before);
         if (verdict == ReEntry::Verdict::contradiction) remember_contradiction(seen, off_m);
-        doubt_the_path(place.off);
+        doubt_the_path(place.off, judged.way_m - used_.way_m);
         place = innovation_of(seen, state_);
     }
     for (Foothold& foothold : footholds_) foothold.agreeing = 0;
@@ -318,8 +318,10 @@ EarthPath::Placed EarthPath::update_place(const PresentFix& seen, double& off_m)
     return Placed::by_fix;
 }
 
-/// What the fixes are off by becomes uncertainty, and a heading that has led there is in doubt.
-void EarthPath::doubt_the_path(const Eigen::Vector3d& off_m) {
+/// What the fixes are off by becomes uncertainty, and so does an attitude that has led there within `way_m`.
+void EarthPath::doubt_the_path(const Eigen::Vector3d& off_m, double way_m) {
+    const double lean_rad = std::min(re_entry_heading_rad, std::abs(off_m.z()) / std::max(1.0, way_m));
+    state_.covariance.diagonal().segment<2>(3).array() += lean_rad * lean_rad;
     state_.covariance.topLeftCorner<3, 3>() +=
         off_m * off_m.transpose() + off_m.squaredNorm() / 9 * Eigen::Matrix3d::Identity();
     state_.covariance(5, 5) += re_entry_heading_rad * re_entry_heading_rad;

@@ -195,7 +195,7 @@ class EarthPath : public FusedPath {
     bool passes(const Innovation<3>& place) const;
     /// `off_m`: how far the fix is from the path.
     Placed update_place(const PresentFix& seen, double& off_m);
-    void doubt_the_path(const Eigen::Vector3d& off_m);
+    void doubt_the_path(const Eigen::Vector3d& off_m, double way_m);
     void update_velocity(const gnss::GnssFix& fix, const Moment& then);
     void look_at_withheld(const gnss::GnssFix& fix);
     void judge_gaps(const std::vector<PoseOnEarth>& path);

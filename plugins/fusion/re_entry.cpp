@@ -75,7 +75,9 @@ std::size_t ReEntry::most_others(const std::function<bool(const Judged&)>& is_on
 }
 
 /// What the newest fix is off by and an earlier one was lies on a line in time: a path that is astray goes on
-/// so. How many others does it explain, if they are to be believed, and for how long were they there?
+/// so. Where that line comes from where the last fix was used, it is drift from there on, and those that were
+/// used before do not contradict it; a reflection begins with a jump. How many others does the line explain,
+/// if they are to be believed, and for how long were they there?
 ReEntry::Against ReEntry::against_the_path(double after_s) const {
     const Judged& newest = latest_.back();
     const double off_m = newest.off_m.norm();
@@ -86,17 +88,19 @@ ReEntry::Against ReEntry::against_the_path(double after_s) const {
         if (fix.used && counts(fix)) used = fix;
     if (counts(last_used_)) used = last_used_;
 
+    const bool may_be_drift = off_m < astray * (newest.way_m - used.way_m);
     const double wanted_s = std::min(after_s, std::max(rests_factor * rests_on_s_, long_agreement_s)),
-                 least_s = off_m < astray * (newest.way_m - used.way_m)
-                               ? agreement_s
-                               : std::min(long_agreement_s, wanted_s);
+                 least_s = may_be_drift ? agreement_s : std::min(long_agreement_s, wanted_s);
     const std::size_t stride = 1 + latest_.size() / most_lines;
     for (std::size_t first = 0; first < latest_.size(); first += stride) {
         const Judged& early = latest_[first];
         const double span_s = ago_s(early);
         if (early.used || !counts(early) || newest.way_m - early.way_m < agreement_way_m) continue;
-        if (span_s < (ago_s(used) < wanted_s ? wanted_s : least_s)) continue;
         const Eigen::Vector3d per_s = (early.off_m - newest.off_m) / span_s;
+        const double off_at_used_m = (newest.off_m + ago_s(used) * per_s).norm();
+        const bool drifts = may_be_drift && span_s <= ago_s(used) &&
+                            off_at_used_m < same_sigmas * newest.sigma_m + same_part * off_m;
+        if (span_s < (drifts ? agreement_s : ago_s(used) < wanted_s ? wanted_s : least_s)) continue;
         const auto is_on_line = [&](const Judged& fix) {
             const Eigen::Vector3d beside_m = fix.off_m - newest.off_m - ago_s(fix) * per_s;
             const double sigma_m = counts(fix) ? fix.white_m : fix.sigma_m;
@@ -108,9 +112,9 @@ ReEntry::Against ReEntry::against_the_path(double after_s) const {
             on_line += counts(latest_[i]) && is_on_line(latest_[i]) ? 1 : 0;
         }
         const double part = static_cast<double>(on_line) / static_cast<double>(all);
-        if (on_line >= agreement && part >= at_least_part &&
-            static_cast<double>(on_line) >= by_far * static_cast<double>(most_others(is_on_line)))
-            return {span_s, part, early.off_m.norm() > astray * (early.way_m - used.way_m)};
+        if (on_line < agreement || part < at_least_part) continue;
+        if (drifts || static_cast<double>(on_line) >= by_far * static_cast<double>(most_others(is_on_line)))
+            return {span_s, part, !drifts && early.off_m.norm() > astray * (early.way_m - used.way_m)};
     }
     return {};
 }

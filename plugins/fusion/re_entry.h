@@ -33,7 +33,8 @@ class ReEntry {
     };
     /// One that does not, and how far it is off. The path holds unless none was used for `after_s`, or for
     /// twice the time for which fixes agreed with it (15 s at least), if that is less, and those of the last
-    /// seconds are off by the same; or most of all that came for so long are.
+    /// seconds are off by the same; or most of all that came for so long are; or they depart from the path
+    /// little by little.
     Verdict refused(const Fix& fix, const Eigen::Vector3d& off_m, double after_s);
     /// For how long fixes have agreed with the path.
     double rests_on_s() const { return rests_on_s_; }

@@ -53,6 +53,7 @@ struct Receiver {
     Eigen::Vector3d jump_m = Eigen::Vector3d::Zero();
     double latency_s = 0.15, sigma_latency_s = 0;  ///< that stamps do not tell
     double scale_in_outage = 1;                    ///< of the odometry
+    double leans_at_s = 1e9, lean_rad = 0;         ///< the odometry tells a pitch that there was none of
 };
 
 /// Wheels beside the odometry, or alone.
@@ -93,6 +94,8 @@ inline EarthPath followed(const Drive& drive, const Receiver& receiver, std::uin
             const double t = seconds_between(drive.stamps_ns.front(), drive.stamps_ns[k]);
             if (t > receiver.outage_from_s && t < receiver.outage_to_s)
                 T.translation_m *= receiver.scale_in_outage;
+            if (t > receiver.leans_at_s && t < receiver.leans_at_s + 0.101)
+                T.rotation = T.rotation * inertial::exp_so3({0, receiver.lean_rad, 0});
             if (T.translation_m.norm() > 0) {
                 T.translation_m += drawn(random, odometry_sigma_m);
                 T.rotation = inertial::exp_so3(drawn(random, odometry_sigma_rad)) * T.rotation;

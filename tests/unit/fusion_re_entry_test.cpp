@@ -97,6 +97,23 @@ TEST(EarthPath, a_start_in_reflected_signals_is_undone_when_good_ones_have_come_
     EXPECT_NEAR(static_cast<double>(path.count(FixUse::off_the_path)), 100, 10);
 }
 
+// Good fixes depart from it little by little: no reflection does that.
+TEST(EarthPath, an_odometry_that_leans_without_telling_is_set_right_within_seconds) {
+    const Drive drive(70, 0.7);
+    Receiver receiver;
+    receiver.leans_at_s = 30;
+    receiver.lean_rad = 0.3 * rad;
+    EarthPath path = followed(drive, receiver, 6);
+    EXPECT_LT(path.count(FixUse::off_the_path), 50U);
+    EXPECT_LT(off_at_the_end_m(path, drive).norm(), 0.1);
+    const auto smoothed = path.finished();
+    const Pose3 T = T_path_truth(path);
+    for (std::size_t k = 0; k < smoothed.size(); k += 10)
+        EXPECT_LT((smoothed[k].T_enu_base.translation_m - (T * drive.T_enu_base[k]).translation_m).norm(),
+                  0.2)
+            << k;
+}
+
 // Fixes at 5 Hz from a vehicle at 5 m/s, off by `off_m` for `duration_s`: at which one they are believed.
 struct Fixes {
     ReEntry re_entry;
@@ -135,6 +152,21 @@ TEST(ReEntry, a_path_is_believed_the_longer_the_more_fixes_it_rests_on) {
         EXPECT_TRUE(fixes.come(60, {4, 3, 0}));
         EXPECT_NEAR(fixes.time_s - from_s, std::clamp(2 * rests_on_s, 15.0, 30.0), 0.7);
     }
+}
+
+TEST(ReEntry, fixes_that_depart_little_by_little_are_believed_within_seconds_and_those_that_jump_are_not) {
+    const auto believed_after_s = [](double jump_m, double per_s_m) {
+        Fixes fixes;
+        fixes.re_entry.begin(0, 0);
+        fixes.come(20, {0, 0, 0});
+        for (double s = 0.2; s < 14; s += 0.2)
+            if (fixes.come(0.2, {0, 0, jump_m + per_s_m * s})) return s;
+        return 1e9;
+    };
+    EXPECT_LT(believed_after_s(0.03, 0.05), 4);
+    EXPECT_EQ(believed_after_s(0.4, 0), 1e9);
+    EXPECT_EQ(believed_after_s(0.4, 0.05), 1e9);
+    EXPECT_EQ(believed_after_s(0.03, 0.5), 1e9) << "no path drifts by a tenth of its way";
 }
 
 TEST(ReEntry, fixes_of_a_vehicle_that_stands_tell_nothing_new) {
