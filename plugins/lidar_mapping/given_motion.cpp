@@ -1,5 +1,6 @@
 #include "lidar_mapping/given_motion.h"
 
+#include "api/dense_algebra.h"
 #include "inertial/pose_error.h"
 
 namespace loopline::lidar_mapping {
@@ -26,23 +27,31 @@ MotionState predict(const MotionState& state, const GivenMotion& given, double d
     Matrix6d motion = given.covariance;
     Matrix6d velocity = given.velocity_covariance;
     velocity.diagonal() += (accelerations * given.velocity_over_s).cwiseAbs2();
+    // What wheels do not tell goes on with the velocity that the sweeps show: their errors belong together.
+    Vector6d goes_on = Vector6d::Zero();
+    Matrix6d together = Matrix6d::Zero();
     if (given.planar) {
         T_last_now = exp_se3(with_planar(state.velocity * duration_s, log_se3(given.T_last_now)));
         for (const Eigen::Index k : {2, 3, 4}) {
-            const double change = accelerations[k] * duration_s;
-            motion(k, k) = change * duration_s * change * duration_s;
+            const double change = accelerations[k] * duration_s, shift = change * duration_s / 2;
+            goes_on[k] = 1;
+            motion(k, k) = shift * shift;
             velocity(k, k) = change * change;
+            together(k, k) = shift * change;
         }
     }
     next.T_map_base = state.T_map_base * T_last_now;
 
-    const Matrix6d R = inertial::turned_both(state.T_map_base.rotation);
-    next.covariance.setZero();
-    next.covariance.topLeftCorner<6, 6>() =
-        inertial::grown(state.covariance.topLeftCorner<6, 6>(), state.T_map_base, next.T_map_base, motion);
-    next.covariance.bottomRightCorner<6, 6>() = propagated(R, velocity);
-    // What a whole way is off by that nothing else tells, less what was of it before.
     const Eigen::Vector3d way_m = next.T_map_base.translation_m - state.T_map_base.translation_m;
+    const Matrix6d R = inertial::turned_both(state.T_map_base.rotation),
+                   kept = propagated(R, goes_on.asDiagonal().toDenseMatrix());
+    Matrix12d F = Matrix12d::Zero(), Q;
+    F.topLeftCorner<6, 6>() = inertial::carried_along(way_m);
+    F.topRightCorner<6, 6>() = duration_s * kept;
+    F.bottomRightCorner<6, 6>() = kept;
+    Q << propagated(R, motion), propagated(R, together), propagated(R, together), propagated(R, velocity);
+    next.covariance = propagated(F, state.covariance) + Q;
+    // What a whole way is off by that nothing else tells, less what was of it before.
     const double length_m = way_m.norm(), off2 = given.sigma_scale * given.sigma_scale;
     next.way_on_trust_m += length_m;
     if (length_m > 0)

@@ -142,8 +142,29 @@ TEST(GivenMotion, of_wheels_changes_shift_and_heading_only) {
     EXPECT_LT((moved.shift_m - Eigen::Vector3d(0.6, 0.02, 0.05)).norm(), 1e-9);
     EXPECT_LT((moved.turn_rad - Eigen::Vector3d(0.01, -0.02, 0.05)).norm(), 1e-9);
     EXPECT_EQ(predicted.velocity.shift_m, Eigen::Vector3d(6, 0.2, 0.5));
-    const Matrix6d covariance = predicted.covariance.topLeftCorner<6, 6>();
-    EXPECT_NEAR(covariance(2, 2) - covariance(1, 1), 0.03 * 0.03 - 1e-4, 1e-4);
+}
+
+/// Height, roll and pitch, and their velocities, are known together as if there were no wheels: a sweep that
+/// tells the lean then tells how it changes, too.
+TEST(GivenMotion, of_wheels_leaves_what_they_do_not_tell_as_certain_as_without_them) {
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> normal;
+    const MotionNoise noise{3, 0.3, 1, 0.3};
+    MotionState state = first_state(noise);
+    state.velocity = {{8, 0, 0.5}, {0.1, -0.2, 0}};
+    Matrix12d root;
+    for (int i = 0; i < 144; ++i) root(i) = 0.01 * normal(random);
+    state.covariance = root * root.transpose();
+    GivenMotion given;
+    given.planar = true;
+    given.T_last_now = exp_se3(state.velocity * 0.1);
+    given.velocity = state.velocity;
+    given.covariance = 1e-4 * Matrix6d::Identity();
+    given.velocity_over_s = 0;
+    const MotionState with = predict(state, given, 0.1, noise), without = predict(state, 0.1, noise);
+    for (const int a : {2, 3, 4, 8, 9, 10})
+        for (const int b : {2, 3, 4, 8, 9, 10})
+            EXPECT_NEAR(with.covariance(a, b), without.covariance(a, b), 1e-12) << a << " " << b;
 }
 
 /// Along a tunnel an odometry with a wrong scale is off by that part of the whole way; where sweeps hold the
