@@ -1,6 +1,6 @@
 /// What costs a compiler seconds for each size of matrix, compiled once for all sizes. Matrices of fixed size
-/// go in as they are, and a result fits into one. From about 4 x 4 on it takes no longer than Eigen's own of
-/// a fixed size; what is done for every point of a scan is not done by these.
+/// go in as they are, and a result fits into one. A call takes 0.1 to 0.6 us more than Eigen's own of a fixed
+/// size up to 6 x 6, and up to a third more from 12 x 12 on: not for what is done for every point of a scan.
 #pragma once
 
 #include <Eigen/Core>

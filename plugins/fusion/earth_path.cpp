@@ -1,6 +1,5 @@
 #include "fusion/earth_path.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 

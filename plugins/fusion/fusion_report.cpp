@@ -1,10 +1,10 @@
 /// What module "fusion" hands over at the end of a run: figures, the path's inputs, its place on the Earth.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "fusion/fix_lag.h"
 #include "fusion/fusion_module.h"
+#include "inertial/words.h"
 
 namespace loopline {
 
@@ -146,14 +146,12 @@ void FusionModule::report_lag(Results& results) const {
     results.metrics["gnss_lag_s"] = lag->lag_s;
     results.metrics["gnss_lag_sigma_s"] = lag->sigma_s;
     if (std::abs(lag->lag_s) < std::max(lag_matters_s, lag_is_certain * lag->sigma_s)) return;
-    char text[240];
-    std::snprintf(
-        text, sizeof(text),
-        "the stamps of the fixes are %.2f s %s against the motion (standard deviation %.2g s, by %zu "
-        "stretches of the path); set [fusion] latency_s = %.2f",
-        std::abs(lag->lag_s), lag->lag_s > 0 ? "late" : "early", lag->sigma_s, lag->stretches,
-        latency_s_ + lag->lag_s);
-    results.warnings.emplace_back(text);
+    results.warnings.push_back(
+        "the stamps of the fixes are " + inertial::decimals(std::abs(lag->lag_s), 2) + " s " +
+        (lag->lag_s > 0 ? "late" : "early") + " against the motion (standard deviation " +
+        inertial::digits(lag->sigma_s, 2) + " s, by " + std::to_string(lag->stretches) +
+        " stretches of the path); set [fusion] latency_s = " +
+        inertial::decimals(latency_s_ + lag->lag_s, 2));
 }
 
 }  // namespace loopline

@@ -1,7 +1,6 @@
 /// Scores extracted lines against the walls that made the scan.
 #pragma once
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>

@@ -1,7 +1,6 @@
 /// Drives of which everything is known, and what an odometry, wheels and a receiver make of them.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <random>
 

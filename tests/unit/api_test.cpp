@@ -1,7 +1,8 @@
-/// The contract's own values: poses, stamps, parameters, trajectories, cleaned scans.
+/// The contract's own values: poses, stamps, parameters, trajectories, cleaned scans; and its workers.
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
+#include <atomic>
 #include <limits>
 #include <random>
 
@@ -10,6 +11,7 @@
 #include "api/pose3.h"
 #include "api/stamp.h"
 #include "api/trajectory.h"
+#include "api/worker_pool.h"
 
 using namespace loopline;
 
@@ -108,4 +110,15 @@ TEST(PlanarScan, unusable_returns_become_zero_and_clockwise_is_turned_round) {
     observation.aperture = nan;
     EXPECT_FALSE(to_planar_scan(observation, scan));
     EXPECT_EQ(scan.size(), 0u);
+}
+
+TEST(WorkerPool, runs_each_task_once) {
+    for (const int threads : {1, 2, 5}) {
+        WorkerPool workers(threads);
+        for (int round = 0; round < 200; ++round) {
+            std::vector<std::atomic<int>> runs(7);
+            workers.run(runs.size(), [&](std::size_t k) { ++runs[k]; });
+            for (const auto& count : runs) EXPECT_EQ(count, 1);
+        }
+    }
 }

@@ -2,7 +2,6 @@
 /// prediction by it.
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <random>
 
 #include "api/pose_observation.h"

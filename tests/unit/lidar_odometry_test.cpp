@@ -1,7 +1,6 @@
 /// Odometry of a spinning lidar: features, correspondences, the motion between two sweeps, and the path.
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <random>
 
 #include "api/dense_algebra.h"

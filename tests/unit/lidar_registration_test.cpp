@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <atomic>
 #include <map>
 
 #include "api/dense_algebra.h"
@@ -29,17 +28,6 @@ MotionState predicted_near(const MotionState& truth) {
     Vector12d off;
     off << 0.05, -0.04, 0.03, 0.01, -0.005, 0.01, 0.3, -0.2, 0.1, 0.03, 0.05, -0.05;
     return state_near(truth, off, 1, 0.2);
-}
-
-TEST(WorkerPool, runs_each_task_once) {
-    for (const int threads : {1, 2, 5}) {
-        WorkerPool workers(threads);
-        for (int round = 0; round < 200; ++round) {
-            std::vector<std::atomic<int>> runs(7);
-            workers.run(runs.size(), [&](std::size_t k) { ++runs[k]; });
-            for (const auto& count : runs) EXPECT_EQ(count, 1);
-        }
-    }
 }
 
 TEST(Registration, finds_pose_and_velocity_of_a_sweep_without_noise_again) {

@@ -2,7 +2,6 @@
 /// decides.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <functional>
 #include <random>
 

@@ -2,7 +2,6 @@
 /// error squared (NEES) inside the 95 % band, with wheels whose diameters are not what they are said to be.
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <random>
 
