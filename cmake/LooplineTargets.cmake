@@ -6,6 +6,8 @@ target_compile_options(loopline_settings INTERFACE -Wall -Wextra -Wshadow -Wnon-
 target_compile_options(loopline_settings INTERFACE -ffp-contract=off)
 # Loops become vector instructions: square roots set no errno, and what is computed and then not used may be infinite.
 target_compile_options(loopline_settings INTERFACE -fno-math-errno -fno-trapping-math)
+# Sources are named from the project's folder, wherever that lies: the same bytes from any checkout.
+target_compile_options(loopline_settings INTERFACE -ffile-prefix-map=${PROJECT_SOURCE_DIR}/=)
 if(LOOPLINE_SANITIZE)
     # Null, misaligned and stray pointers are AddressSanitizer's: a second check of each takes twice the time to compile,
     # and finds Eigen's references into matrices without elements, which nobody follows.

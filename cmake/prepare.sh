@@ -5,11 +5,11 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 say() { printf '%s\n' "$*"; }
 fail() { printf '%s\n' "$*" >&2; exit 1; }
 
-# What each use needs, and nothing else. "build" makes the program, "demo" adds the sample log, "test" GoogleTest and
-# the MRPT programs that tests compare with or load our plugins into.
+# What each use needs, and nothing else. "build" makes the program, "demo" adds the sample log, "test" GoogleTest, the
+# MRPT programs that tests compare with or load our plugins into, and a cache of what was compiled before.
 packages_build="g++ cmake ninja-build libmrpt-maps-dev libembree-dev zlib1g-dev libisal-dev libssl-dev libcli11-dev nlohmann-json3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libfreetype-dev fonts-dejavu-core"
 packages_demo="mrpt-common"
-packages_test="mrpt-common libgtest-dev mrpt-apps libmrpt-hwdrivers-dev libgeographiclib-dev gdal-bin"
+packages_test="ccache mrpt-common libgtest-dev mrpt-apps libmrpt-hwdrivers-dev libgeographiclib-dev gdal-bin"
 
 install_missing() {
     local missing="" package

@@ -147,14 +147,14 @@ void fields(Archive& archive, FusionModule& m) {
     bool waits = m.waiting_.has_value();
     archive(waits);
     if (waits) {
-        if constexpr (Archive::reading) m.waiting_.emplace();
+        if constexpr (Archive::reading) m.waiting_ = std::pair<FusionModule::Moment, PoseWithCovariance>();
         auto& [moment, pose] = *m.waiting_;
         archive(moment.sequence, moment.stamp_ns, moment.timestamp, pose);
     }
     bool has_upright = m.upright_.has_value();
     archive(has_upright);
     if (has_upright) {
-        if constexpr (Archive::reading) m.upright_.emplace();
+        if constexpr (Archive::reading) m.upright_ = std::pair<StampNs, fusion::Upright>();
         archive(m.upright_->first, m.upright_->second);
     }
     archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,

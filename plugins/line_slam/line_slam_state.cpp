@@ -113,7 +113,7 @@ void fields(Archive& archive, LineSlam& module) {
     const auto command = [](auto& a, auto& c) {
         bool there = c.has_value();
         a(there);
-        if (Archive::reading && there) c.emplace();
+        if (Archive::reading && there) c = LineSlam::Command();
         if (there) a(c->regime, c->since_ns);
     };
     const auto scan = [&command](auto& a, auto& s) {
@@ -126,7 +126,7 @@ void fields(Archive& archive, LineSlam& module) {
     archive(m.newest_lines_);
     bool since_step = m.since_step_.has_value();
     archive(since_step);
-    if (Archive::reading && since_step) m.since_step_.emplace();
+    if (Archive::reading && since_step) m.since_step_ = LineSlam::Scan();
     if (since_step) scan(archive, *m.since_step_);
     archive(m.T_odom_base_, m.since_previous_s_);
     command(archive, m.commanded_);

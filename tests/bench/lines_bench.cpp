@@ -22,6 +22,7 @@
 #include "property/lines_truth.h"
 #include "property/lines_views.h"
 #include "property/lines_world.h"
+#include "support/built_files.h"
 
 using namespace loopline;
 using namespace loopline::lines;
@@ -272,7 +273,7 @@ void compare_on_logs() {
         "all us", "%");
     const std::string datasets = "/usr/share/mrpt/datasets/";
     const char* folder = std::getenv("LOOPLINE_DATA");
-    const std::string data = folder ? folder : LOOPLINE_SOURCE_FOLDER "/../shared/data";
+    const std::string data = folder ? folder : test::source_folder() + "/../shared/data";
     const auto telecom = scans_of(datasets + "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog");
     std::vector<CObservation2DRangeScan::Ptr> half;
     for (const auto& scan : telecom) half.push_back(every_second_beam(*scan));

@@ -16,13 +16,15 @@
 #include <string>
 #include <vector>
 
+#include "support/built_files.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
 constexpr int rounds = 11, module_rounds = 5;
-const std::string source_folder = LOOPLINE_SOURCE_FOLDER;
+const std::string source_folder = test::source_folder();
 
 struct Cost {
     double cpu_s = 0;  ///< user and system, of the process and all that it waited for

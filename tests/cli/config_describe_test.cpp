@@ -1,6 +1,7 @@
 /// `loopline describe`: the same declarations as text, as .ini and as the manual.
 #include <gtest/gtest.h>
 
+#include "support/built_files.h"
 #include "support/run_program.h"
 
 using namespace loopline;
@@ -55,7 +56,7 @@ TEST(Describe, markdown_escapes_what_would_end_a_cell) {
 TEST(Describe, the_manual_in_docs_is_up_to_date) {
     const auto result = test::run_loopline({"describe", "--markdown"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.out, test::file_text(LOOPLINE_SOURCE_FOLDER "/docs/ini-reference.md"))
+    EXPECT_EQ(result.out, test::file_text(test::source_folder() + "/docs/ini-reference.md"))
         << "docs/ini-reference.md is stale; make it again with\n"
            "  build/release/bin/loopline describe --markdown > docs/ini-reference.md";
 }

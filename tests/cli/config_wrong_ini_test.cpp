@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "support/built_files.h"
 #include "support/run_program.h"
 
 using namespace loopline;
@@ -186,7 +187,7 @@ TEST(EffectiveIni, repeats_the_run_byte_for_byte) {
         words.insert(words.end(), estimate_only.begin(), estimate_only.end());
         return test::run_loopline(words);
     };
-    const auto first = run(LOOPLINE_SOURCE_FOLDER "/ini/real/telecom_faculty_lines.ini", "first");
+    const auto first = run(test::source_folder() + "/ini/real/telecom_faculty_lines.ini", "first");
     ASSERT_EQ(first.exit_code, 0) << first.err;
     const auto again = run((folder / "first/config.ini").string(), "again");
     ASSERT_EQ(again.exit_code, 0) << again.err;

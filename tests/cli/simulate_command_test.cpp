@@ -13,6 +13,7 @@
 #include "api/stamp.h"
 #include "output/tum.h"
 #include "pipeline/log_source.h"
+#include "support/built_files.h"
 #include "support/run_program.h"
 
 using namespace loopline;
@@ -326,7 +327,7 @@ TEST_F(Simulate, a_cart_carries_an_imu_and_the_truth_has_its_biases) {
 TEST_F(Simulate, interrupted_it_leaves_nothing) {
     const auto result =
         run_program({"timeout", "--preserve-status", "-s", "INT", "1", test::loopline_program(), "simulate",
-                     std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/ring_corridor.ini", "--out",
+                     test::source_folder() + "/datasets/ring_corridor.ini", "--out",
                      (folder / "w.rawlog").string(), "--set", "horizontal_laser.beams=5000"});
     EXPECT_EQ(result.exit_code, 130) << result.err;
     EXPECT_NE(result.err.find("interrupted; nothing was written"), std::string::npos) << result.err;
@@ -337,7 +338,7 @@ TEST_F(Simulate, every_dataset_is_right) {
     for (const char* name : {"ring_corridor", "ring_corridor_bare", "office", "campus_lines", "cart_loops",
                              "cart_corridor", "cart_twin_rooms", "road_loop", "straight_street",
                              "ramp_gallery", "open_field", "tunnel", "urban_canyon"}) {
-        const std::string file = std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/" + name + ".ini";
+        const std::string file = test::source_folder() + "/datasets/" + name + ".ini";
         // A moment is enough: that the vehicle does not arrive is said after everything else was found good.
         const auto result = simulate(file, "w.rawlog", {"--set", "simulation.longest_s=1"});
         EXPECT_NE(result.err.find("the vehicle does not arrive"), std::string::npos) << result.err;

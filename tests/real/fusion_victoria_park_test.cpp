@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "support/built_files.h"
 #include "support/run_program.h"
 #include "support/shared_data.h"
 
@@ -18,7 +19,7 @@ TEST(FusionLogs, victoria_park_loses_less_than_two_percent_of_its_way_without_fi
     ASSERT_EQ(imported.exit_code, 0) << imported.err;
     for (const auto& [gap_s, every_s] : {std::pair{"30", "100"}, {"60", "150"}}) {
         const auto result = test::run_loopline(
-            {"run", LOOPLINE_SOURCE_FOLDER "/ini/real/victoria_park.ini", "--rawlog", log, "--out",
+            {"run", test::source_folder() + "/ini/real/victoria_park.ini", "--rawlog", log, "--out",
              (folder / gap_s).string(), "--quiet", "--set", "outputs.snapshots=0", "--set",
              "outputs.report=0", "--set", std::string("fusion.withhold_s=") + gap_s, "--set",
              std::string("fusion.withhold_every_s=") + every_s});

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "support/built_files.h"
 #include "support/run_program.h"
 #include "support/shared_data.h"
 
@@ -33,7 +34,7 @@ TEST(GridLocalisationLogs, intel_lab_in_a_map_of_its_first_part_agrees_with_mapp
     NEEDS_SHARED_DATA(part);
     NEEDS_SHARED_DATA("intel/intel_1of5.sf.rawlog");
     const test::TemporaryFolder folder;
-    const std::string data = test::shared_data().string(), ini = LOOPLINE_SOURCE_FOLDER "/ini/real/";
+    const std::string data = test::shared_data().string(), ini = test::source_folder() + "/ini/real/";
     const auto run = [&](const std::string& name, const std::string& out, std::vector<std::string> more) {
         std::vector<std::string> arguments{"run",
                                            ini + name,

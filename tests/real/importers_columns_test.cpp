@@ -11,6 +11,7 @@
 #include "evaluate/fix_errors.h"
 #include "gnss/gps_observation.h"
 #include "pipeline/log_source.h"
+#include "support/built_files.h"
 #include "support/run_program.h"
 #include "support/shared_data.h"
 
@@ -107,7 +108,7 @@ TEST(ColumnMaps, husky_has_its_imu_upright_by_the_map_and_else_it_is_said_how_to
         "CObservationIMU \"imu\" is mounted turned, as the log has it: its +y axis points up, by gravity "
         "too (yaw_deg = -90, pitch_deg = 0, roll_deg = 90)");
 
-    std::string unturned = test::file_text(LOOPLINE_SOURCE_FOLDER "/datasets/columns/husky.ini");
+    std::string unturned = test::file_text(test::source_folder() + "/datasets/columns/husky.ini");
     for (const std::string line : {"\nyaw_deg = -90\n", "\nroll_deg = 90\n"})
         unturned.replace(unturned.find(line), line.size(), "\n");
     const ImportedLog as_recorded("husky_robot_localization", log.folder.write("unturned.ini", unturned));

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "api/pose2.h"
+#include "support/built_files.h"
 #include "support/run_program.h"
+#include "support/shared_data.h"
 
 using namespace loopline;
 
@@ -68,9 +70,8 @@ std::filesystem::path run(const test::TemporaryFolder& folder, const std::string
                           const std::string& name, const std::vector<std::string>& more = {},
                           const std::vector<std::string>& environment = {}) {
     const std::filesystem::path out = folder / name;
-    std::vector<std::string> words{
-        test::loopline_program(), "run",        std::string(LOOPLINE_SOURCE_FOLDER) + "/ini/real/" + ini,
-        "--out",          out.string(), "--quiet"};
+    const std::string experiment = test::source_folder() + "/ini/real/" + ini;
+    std::vector<std::string> words{test::loopline_program(), "run", experiment, "--out", out, "--quiet"};
     for (const char* off : {"outputs.maps=false", "outputs.snapshots=false", "outputs.report=false"})
         words.insert(words.end(), {"--set", off});
     words.insert(words.end(), more.begin(), more.end());
@@ -104,9 +105,7 @@ TEST(LineSlamLogs, hand_drawn_worlds_within_their_bars) {
 }
 
 TEST(LineSlamLogs, intel_lab_by_the_published_relations) {
-    const char* set = std::getenv("LOOPLINE_DATA");
-    const std::filesystem::path data =
-        set ? std::filesystem::path(set) : std::filesystem::path(LOOPLINE_SOURCE_FOLDER) / "../shared/data";
+    const std::filesystem::path data = test::shared_data();
     if (!std::filesystem::exists(data / "intel/intel_part1_full_rate.sf.rawlog"))
         GTEST_SKIP() << "no Intel log in LOOPLINE_DATA";
     const test::TemporaryFolder folder;

@@ -14,6 +14,11 @@ inline const std::string& build_folder() {
         std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path().string();
     return folder;
 }
+/// The checkout that it was built from.
+inline const std::string& source_folder() {
+    static const std::string folder = std::filesystem::read_symlink(build_folder() + "/source").string();
+    return folder;
+}
 inline std::string loopline_program() {
     return build_folder() + "/bin/loopline";
 }
@@ -25,7 +30,8 @@ inline std::string fixture_folder() {
     return build_folder() + "/tests/fixtures";
 }
 
-/// The sanitizer tells of what the program then survives, and needs more memory than any limit would leave it.
+/// The sanitizer tells of what the program then survives, and needs more memory than any limit would leave
+/// it.
 inline bool built_with_address_sanitizer() {
     return ::dlsym(RTLD_DEFAULT, "__asan_init") != nullptr;
 }

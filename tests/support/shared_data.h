@@ -7,12 +7,14 @@
 #include <filesystem>
 #include <string>
 
+#include "support/built_files.h"
+
 namespace loopline::test {
 
 /// ${LOOPLINE_DATA}, or ../shared/data beside the source tree.
 inline std::filesystem::path shared_data() {
     if (const char* named = std::getenv("LOOPLINE_DATA"); named && *named) return named;
-    return std::filesystem::path(LOOPLINE_SOURCE_FOLDER).parent_path() / "shared/data";
+    return std::filesystem::path(source_folder()).parent_path() / "shared/data";
 }
 
 }  // namespace loopline::test

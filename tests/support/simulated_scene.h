@@ -10,16 +10,17 @@
 #include "simulation/encoders.h"
 #include "simulation/segment.h"
 #include "simulation/simulator_module.h"
+#include "support/built_files.h"
 
 namespace loopline::test {
 
 inline std::string dataset(const std::string& name) {
-    return std::string(LOOPLINE_SOURCE_FOLDER) + "/datasets/" + name;
+    return source_folder() + "/datasets/" + name;
 }
 
 /// A scenario that only tests use: smaller than those of datasets/.
 inline std::string test_scenario(const std::string& name) {
-    return std::string(LOOPLINE_SOURCE_FOLDER) + "/tests/support/" + name;
+    return source_folder() + "/tests/support/" + name;
 }
 
 /// The scene that a scenario draws. Its sensors are those of a simulator of the test's own.

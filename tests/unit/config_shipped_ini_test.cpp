@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "config/experiment.h"
+#include "support/built_files.h"
 #include "support/run_program.h"
 
 using namespace loopline;
@@ -14,7 +15,7 @@ TEST(ShippedIni, every_one_is_right_and_reads_back) {
     for (const char* folder : {"real", "sim"}) {
         std::error_code none;
         for (const auto& entry :
-             fs::directory_iterator(fs::path(LOOPLINE_SOURCE_FOLDER) / "ini" / folder, none))
+             fs::directory_iterator(fs::path(test::source_folder()) / "ini" / folder, none))
             if (entry.path().extension() == ".ini") files.push_back(entry.path());
     }
     std::sort(files.begin(), files.end());
