@@ -5,7 +5,8 @@
 
 /// A function with such loops: compiled for any processor and once more for those with AVX2, which take twice
 /// as many beams a step; the one that fits is chosen when the program is loaded. Its loops say `omp simd`:
-/// their sums may be formed in another order than they are written in.
+/// their sums may be formed in another order than they are written in. Of gcc only: clang refuses the
+/// attribute at definitions that come after a declaration without it.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define LOOPLINE_VECTORISED __attribute__((target_clones("avx2", "default")))
 #else

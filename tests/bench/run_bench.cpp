@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
 constexpr int rounds = 11, module_rounds = 5;
-const std::string source_folder = test::source_folder();
+const std::string source_folder = loopline::test::source_folder();
 
 struct Cost {
     double cpu_s = 0;  ///< user and system, of the process and all that it waited for

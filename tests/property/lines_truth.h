@@ -63,7 +63,7 @@ struct Score {
             const TrueLine truth = true_line(world.walls[w], T_world_sensor);
             const Eigen::Vector2d error(s.rho_m - truth.rho_m,
                                         loopline::wrap_to_pi(s.alpha_rad - truth.alpha_rad));
-            const double nees = squared_in_sigmas(error, s.covariance);
+            const double nees = loopline::squared_in_sigmas(error, s.covariance);
             if (nees > 25 + 2 || std::abs(error(1)) > 0.3) {
                 ++false_lines;
                 continue;

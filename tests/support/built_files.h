@@ -30,8 +30,7 @@ inline std::string fixture_folder() {
     return build_folder() + "/tests/fixtures";
 }
 
-/// The sanitizer tells of what the program then survives, and needs more memory than any limit would leave
-/// it.
+/// The sanitizer tells of what the program then survives, and needs more memory than a limit would leave.
 inline bool built_with_address_sanitizer() {
     return ::dlsym(RTLD_DEFAULT, "__asan_init") != nullptr;
 }

@@ -6,16 +6,20 @@
 
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "api/pose3.h"
+#include "api/stamp.h"
 #include "gnss/gps_observation.h"
 #include "importers/csv_importer.h"
 #include "support/run_program.h"
 
 namespace loopline::test {
 
+/// All that an importer wrote.
 struct Imported : RawlogSink {
     void write(const mrpt::serialization::CSerializable& object) override {
         observations.emplace_back(dynamic_cast<mrpt::obs::CObservation*>(object.clone()));
@@ -42,6 +46,7 @@ struct Imported : RawlogSink {
     std::string warnings, summary;
 };
 
+/// A folder for the tables, in which a column map is read beside them.
 class CsvImport : public ::testing::Test {
  protected:
     Imported import(const std::string& map) {
