@@ -37,7 +37,7 @@ void FrozenCloud::add(const std::vector<Eigen::Vector3d>& points_m, WorkerPool& 
     workers.run(sizes + 1, [&](std::size_t task) {
         for (const Eigen::Vector3d& p_m : points_m) {
             if (task < sizes)
-                surfaces_.add(task, p_m, no_noise);
+                surfaces_.add(task, {p_m, no_noise});
             else
                 columns_.add(p_m);
         }

@@ -235,14 +235,21 @@ NormalEquations linearise(const SurfaceMap& map, const std::vector<SweepPoint>& 
     says.assign(points.size(), {});
     workers.run(parts, [&](std::size_t part) {
         const std::size_t end = (part + 1) * points.size() / parts;
-        for (std::size_t i = part * points.size() / parts; i < end; ++i) {
-            const SweepPoint& point = points[i];
-            const Eigen::Vector3d arm = R * undistorted(point, motion);
-            const SurfaceMatch match = map.find(
-                {state.T_map_base.translation_m + arm, beams * point.beam_base}, settings.smallest_size);
-            if (match.kind != SurfaceKind::none)
-                says[i] = add_point(match, arm, {motion, static_cast<double>(point.time_s)}, per_scale2,
-                                    sums[part]);
+        std::array<Eigen::Vector3d, SurfaceMap::at_once> arms;
+        std::array<MapReturn, SurfaceMap::at_once> seen;
+        std::array<SurfaceMatch, SurfaceMap::at_once> matches;
+        for (std::size_t i = part * points.size() / parts; i < end; i += SurfaceMap::at_once) {
+            const std::size_t count = std::min(SurfaceMap::at_once, end - i);
+            for (std::size_t k = 0; k < count; ++k) {
+                arms[k] = R * undistorted(points[i + k], motion);
+                seen[k] = {state.T_map_base.translation_m + arms[k], beams * points[i + k].beam_base};
+            }
+            map.find(seen.data(), count, settings.smallest_size, matches.data());
+            for (std::size_t k = 0; k < count; ++k)
+                if (matches[k].kind != SurfaceKind::none)
+                    says[i + k] =
+                        add_point(matches[k], arms[k], {motion, static_cast<double>(points[i + k].time_s)},
+                                  per_scale2, sums[part]);
         }
     });
     for (std::size_t part = 1; part < parts; ++part) sums[0] += sums[part];

@@ -1,7 +1,10 @@
 #include "lidar_mapping/scan_sampling.h"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
+
+#include "api/fetch.h"
 
 namespace loopline::lidar_mapping {
 
@@ -17,9 +20,12 @@ void ScanSampler::begin(std::size_t points, double voxel_m) {
     ++round_;
 }
 
-bool ScanSampler::is_first(const Eigen::Vector3f& p_m) {
-    const VoxelKey key = pack({floor_to_int(p_m.x() * per_voxel_), floor_to_int(p_m.y() * per_voxel_),
-                               floor_to_int(p_m.z() * per_voxel_)});
+VoxelKey ScanSampler::voxel_of(const Eigen::Vector3f& p_m) const {
+    return pack({floor_to_int(p_m.x() * per_voxel_), floor_to_int(p_m.y() * per_voxel_),
+                 floor_to_int(p_m.z() * per_voxel_)});
+}
+
+bool ScanSampler::is_first(VoxelKey key) {
     for (std::size_t k = hash(key) & mask_;; k = (k + 1) & mask_) {
         Slot& slot = slots_[k];
         if (slot.round != round_) {
@@ -27,6 +33,27 @@ bool ScanSampler::is_first(const Eigen::Vector3f& p_m) {
             return true;
         }
         if (slot.key == key) return false;
+    }
+}
+
+/// The table does not fit into the processor's caches: places in it are fetched some at a time.
+template <class PlaceOf, class Take>
+void ScanSampler::for_firsts(std::size_t count, PlaceOf place_of, Take take) {
+    struct Asked {
+        std::size_t i;
+        VoxelKey key;
+    };
+    std::array<Asked, 32> asked;
+    for (std::size_t i = 0; i < count;) {
+        std::size_t n = 0;
+        for (; i < count && n < asked.size(); ++i) {
+            const std::optional<Eigen::Vector3f> p_m = place_of(i);
+            if (!p_m) continue;
+            asked[n] = {i, voxel_of(*p_m)};
+            fetch(&slots_[hash(asked[n++].key) & mask_]);
+        }
+        for (std::size_t k = 0; k < n; ++k)
+            if (is_first(asked[k].key)) take(asked[k].i);
     }
 }
 
@@ -39,21 +66,25 @@ void ScanSampler::sample(const lidar::SpinningScan& scan, const SamplingSettings
                middle_s = static_cast<float>((scan.begin_s + scan.end_s) / 2);
     const Eigen::Matrix3f R = scan.T_base_lidar.rotation.toRotationMatrix().cast<float>();
     const Eigen::Vector3f t = scan.T_base_lidar.translation_m.cast<float>();
-    for (const lidar::SpinningPoint& point : scan.points) {
+    const auto place_of = [&](std::size_t i) {
+        const lidar::SpinningPoint& point = scan.points[i];
         const Eigen::Vector3f p(point.x_m, point.y_m, point.z_m);
         const float range2 = p.squaredNorm();
-        if (!(range2 > least2 && range2 < most2) || !is_first(p)) continue;
-        const Eigen::Vector3f arm = R * p;
-        points.push_back({arm + t, point.time_s - middle_s, arm / std::sqrt(range2)});
-    }
+        return range2 > least2 && range2 < most2 ? std::optional(p) : std::nullopt;
+    };
+    for_firsts(scan.points.size(), place_of, [&](std::size_t i) {
+        const Eigen::Vector3f p = *place_of(i), arm = R * p;
+        points.push_back({arm + t, scan.points[i].time_s - middle_s, arm / p.norm()});
+    });
 }
 
 void ScanSampler::thin_out(const std::vector<SweepPoint>& points, double voxel_m,
                            std::vector<SweepPoint>& fewer) {
     fewer.clear();
     begin(points.size(), voxel_m);
-    for (const SweepPoint& point : points)
-        if (is_first(point.p_base_m)) fewer.push_back(point);
+    for_firsts(
+        points.size(), [&](std::size_t i) { return std::optional(points[i].p_base_m); },
+        [&](std::size_t i) { fewer.push_back(points[i]); });
 }
 
 }  // namespace loopline::lidar_mapping

@@ -31,9 +31,14 @@ class ScanSampler {
     void thin_out(const std::vector<SweepPoint>& points, double voxel_m, std::vector<SweepPoint>& fewer);
 
  private:
-    /// Whether nothing of this cube was seen since begin().
-    bool is_first(const Eigen::Vector3f& p_m);
     void begin(std::size_t points, double voxel_m);
+    VoxelKey voxel_of(const Eigen::Vector3f& p_m) const;
+    /// Whether nothing of this cube was seen since begin().
+    bool is_first(VoxelKey key);
+    /// take(i), in their order, for those of `count` places that are the first in their cubes; place_of(i) is
+    /// none for those that do not count.
+    template <class PlaceOf, class Take>
+    void for_firsts(std::size_t count, PlaceOf place_of, Take take);
 
     float per_voxel_ = 1;
     std::uint32_t round_ = 0;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/fetch.h"
+
 namespace loopline::lidar_mapping {
 namespace {
 
@@ -75,6 +77,23 @@ VoxelIndex SurfaceMap::index_of(const Size& size, const Eigen::Vector3d& p_map_m
     return {floor_of(p_map_m.x()), floor_of(p_map_m.y()), floor_of(p_map_m.z())};
 }
 
+/// The cubes around a few places. Neither slots nor cubes are in the processor's caches: all slots are on
+/// their way before the first is looked at, and then all cubes.
+template <class PlaceOf>
+void SurfaceMap::ask(const Size& size, std::size_t count, PlaceOf place_of,
+                     std::array<Asked, at_once>& asked) {
+    const std::size_t mask = size.slots.size() - 1;
+    for (std::size_t k = 0; k < count; ++k) {
+        asked[k].index = index_of(size, place_of(k));
+        asked[k].key = pack(asked[k].index);
+        fetch(&size.slots[hash(asked[k].key) & mask]);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        asked[k].cell = find_cell(size, asked[k].key);
+        fetch(asked[k].cell);
+    }
+}
+
 const SurfaceMap::Cell* SurfaceMap::find_cell(const Size& size, VoxelKey key) {
     const std::size_t mask = size.slots.size() - 1;
     for (std::size_t k = hash(key) & mask;; k = (k + 1) & mask) {
@@ -115,17 +134,32 @@ void SurfaceMap::make_slots(Size& size, std::size_t slots) {
     }
 }
 
-void SurfaceMap::add(std::size_t which, const Eigen::Vector3d& p_map_m, const Eigen::Matrix3f& noise_m2) {
+void SurfaceMap::add(std::size_t which, const PlacedReturn& seen) {
     Size& size = sizes_[which];
-    const VoxelIndex index = index_of(size, p_map_m);
-    Cell& cell = cell_at(size, pack(index));
-    const Eigen::Vector3f u = place_in(p_map_m, size.per_edge, index);
+    const VoxelIndex index = index_of(size, seen.p_map_m);
+    add(size, index, pack(index), seen);
+}
+
+void SurfaceMap::add(std::size_t which, const std::vector<PlacedReturn>& returns) {
+    Size& size = sizes_[which];
+    std::array<Asked, at_once> asked;
+    for (std::size_t begin = 0; begin < returns.size(); begin += at_once) {
+        const std::size_t count = std::min(at_once, returns.size() - begin);
+        ask(
+            size, count, [&](std::size_t k) { return returns[begin + k].p_map_m; }, asked);
+        for (std::size_t k = 0; k < count; ++k) add(size, asked[k].index, asked[k].key, returns[begin + k]);
+    }
+}
+
+void SurfaceMap::add(Size& size, const VoxelIndex& index, VoxelKey key, const PlacedReturn& seen) {
+    Cell& cell = cell_at(size, key);
+    const Eigen::Vector3f u = place_in(seen.p_map_m, size.per_edge, index);
     // What a lidar sees again and again from where it stands counts once: its rings would else fill the cube
     // before it moves on, and sees what lies between them. In a part that a surface only touches, the few
     // returns that noise has put there would count as much as all others in theirs, and draw the surface to
     // it.
     if ((cell.seen & part_of(u)) != 0) return;
-    const Eigen::Matrix3f noise = static_cast<float>(size.per_edge * size.per_edge) * noise_m2;
+    const Eigen::Matrix3f noise = static_cast<float>(size.per_edge * size.per_edge) * seen.noise_m2;
     if ((cell.seen & parts_about(u, noise.diagonal())) != 0) return;
     cell.seen |= part_of(u);
     ++cell.returns;
@@ -211,48 +245,60 @@ bool SurfaceMap::has_return_near(const Eigen::Vector3d& p_map_m) const {
     return false;
 }
 
-void SurfaceMap::look(const Size& size, const MapReturn& seen, SurfaceMatch& best) const {
-    const VoxelIndex index = index_of(size, seen.p_map_m);
-    const Cell* cell = find_cell(size, pack(index));
-    if (cell == nullptr || cell->kind == SurfaceKind::none) return;
-    const float n = cell->returns;
+void SurfaceMap::look(const Size& size, const VoxelIndex& index, const Cell& cell, const MapReturn& seen,
+                      SurfaceMatch& best) const {
+    if (cell.kind == SurfaceKind::none) return;
+    const float n = cell.returns;
     const Eigen::Vector3f offset_m = static_cast<float>(size.edge_m) *
-                                     (place_in(seen.p_map_m, size.per_edge, index) - vector(cell->sum) / n);
-    const Eigen::Vector3f direction = vector(cell->direction), along = vector(cell->along);
+                                     (place_in(seen.p_map_m, size.per_edge, index) - vector(cell.sum) / n);
+    const Eigen::Vector3f direction = vector(cell.direction), along = vector(cell.along);
     const float a_m = along.dot(offset_m);
     const Eigen::Vector3f beside = direction.cross(along);
-    float leverage = 1 + a_m * a_m * cell->per_along_m2;
-    if (cell->kind == SurfaceKind::plane) {
+    float leverage = 1 + a_m * a_m * cell.per_along_m2;
+    if (cell.kind == SurfaceKind::plane) {
         const float b_m = beside.dot(offset_m);
-        leverage += b_m * b_m * cell->per_beside_m2;
+        leverage += b_m * b_m * cell.per_beside_m2;
     }
     const float across = direction.dot(seen.beam_map),
-                by_range = cell->kind == SurfaceKind::plane ? across * across : 1 - across * across;
+                by_range = cell.kind == SurfaceKind::plane ? across * across : 1 - across * across;
     const float return_m2 =
-        cell->variance_m2 + static_cast<float>(settings_.sigma_range_m * settings_.sigma_range_m) * by_range;
+        cell.variance_m2 + static_cast<float>(settings_.sigma_range_m * settings_.sigma_range_m) * by_range;
     const float per_return_m2 = return_m2 / n, of_surface_m2 = per_return_m2 * leverage;
-    if (cell->kind == SurfaceKind::plane &&
-        per_return_m2 * cell->per_beside_m2 >
+    if (cell.kind == SurfaceKind::plane &&
+        per_return_m2 * cell.per_beside_m2 >
             static_cast<float>(settings_.max_sigma_normal_rad * settings_.max_sigma_normal_rad))
         return;
     if (of_surface_m2 > static_cast<float>(settings_.max_sigma_m * settings_.max_sigma_m)) return;
     const float variance_m2 = return_m2 + of_surface_m2;
     if (best.kind != SurfaceKind::none && variance_m2 >= best.variance_m2) return;
-    best = {cell->kind,
+    best = {cell.kind,
             direction,
             offset_m,
             variance_m2,
             along,
             beside,
-            per_return_m2 * cell->per_along_m2,
-            per_return_m2 * cell->per_beside_m2,
-            cell->sweeps / n};
+            per_return_m2 * cell.per_along_m2,
+            per_return_m2 * cell.per_beside_m2,
+            cell.sweeps / n};
 }
 
 SurfaceMatch SurfaceMap::find(const MapReturn& seen, std::size_t smallest) const {
     SurfaceMatch best;
-    for (std::size_t size = smallest; size < sizes_.size(); ++size) look(sizes_[size], seen, best);
+    find(&seen, 1, smallest, &best);
     return best;
+}
+
+void SurfaceMap::find(const MapReturn* seen, std::size_t count, std::size_t smallest,
+                      SurfaceMatch* best) const {
+    for (std::size_t k = 0; k < count; ++k) best[k].kind = SurfaceKind::none;
+    std::array<Asked, at_once> asked;
+    for (std::size_t which = smallest; which < sizes_.size(); ++which) {
+        const Size& size = sizes_[which];
+        ask(
+            size, count, [&](std::size_t k) { return seen[k].p_map_m; }, asked);
+        for (std::size_t k = 0; k < count; ++k)
+            if (asked[k].cell != nullptr) look(size, asked[k].index, *asked[k].cell, seen[k], best[k]);
+    }
 }
 
 void SurfaceMap::for_each_plane(const std::function<void(const Eigen::Vector3f&, float)>& see) const {

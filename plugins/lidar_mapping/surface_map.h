@@ -35,6 +35,13 @@ struct MapReturn {
     Eigen::Vector3f beam_map;  ///< of length 1
 };
 
+/// Where a return lies that is added. `noise_m2`: covariance of the place, by the range's noise and by what
+/// is not known of the pose.
+struct PlacedReturn {
+    Eigen::Vector3d p_map_m;
+    Eigen::Matrix3f noise_m2;
+};
+
 struct SurfaceMapSettings {
     double cell_m = 0.5;  ///< edge of the smallest cubes; each next size is twice as large
     int sizes = 4;
@@ -55,12 +62,15 @@ class SurfaceMap {
     void begin_sweep() { ++sweeps_; }
     std::uint32_t sweeps() const { return sweeps_; }
     /// Adds to the cubes of one size; sizes have nothing to do with one another.
-    /// `noise_m2`: covariance of the place, by the range's noise and by what is not known of the pose.
-    void add(std::size_t size, const Eigen::Vector3d& p_map_m, const Eigen::Matrix3f& noise_m2);
+    void add(std::size_t size, const PlacedReturn& seen);
+    void add(std::size_t size, const std::vector<PlacedReturn>& returns);
     std::size_t sizes() const { return sizes_.size(); }
     /// The most certain surface among those of the cubes around a place, from size `smallest` on; kind `none`
     /// if there is none.
     SurfaceMatch find(const MapReturn& seen, std::size_t smallest = 0) const;
+    /// The same for so many places at once, which takes less than half of the time. Arrays of `count` each.
+    static constexpr std::size_t at_once = 16;
+    void find(const MapReturn* seen, std::size_t count, std::size_t smallest, SurfaceMatch* best) const;
     /// Whether there was a return within a part of the smallest cubes, a quarter of their edge, of a place.
     bool has_return_near(const Eigen::Vector3d& p_map_m) const;
     /// Planes of the second smallest cubes, away from their faces: normal, and the variance of its worse
@@ -105,13 +115,22 @@ class SurfaceMap {
         Cell& operator[](std::uint32_t k) { return pieces[k / piece_cells][k % piece_cells]; }
         const Cell& operator[](std::uint32_t k) const { return pieces[k / piece_cells][k % piece_cells]; }
     };
+    struct Asked {
+        VoxelIndex index;
+        VoxelKey key = no_voxel;
+        const Cell* cell = nullptr;  ///< none: there is no such cube
+    };
+    template <class PlaceOf>
+    static void ask(const Size& size, std::size_t count, PlaceOf place_of, std::array<Asked, at_once>& asked);
     static VoxelIndex index_of(const Size& size, const Eigen::Vector3d& p_map_m);
     static Cell& cell_at(Size& size, VoxelKey key);
     static const Cell* find_cell(const Size& size, VoxelKey key);
     static Cell& append(Size& size, VoxelKey key);
     static void make_slots(Size& size, std::size_t slots);
+    void add(Size& size, const VoxelIndex& index, VoxelKey key, const PlacedReturn& seen);
     void fit(const Size& size, Cell& cell) const;
-    void look(const Size& size, const MapReturn& seen, SurfaceMatch& best) const;
+    void look(const Size& size, const VoxelIndex& index, const Cell& cell, const MapReturn& seen,
+              SurfaceMatch& best) const;
 
     SurfaceMapSettings settings_;
     std::vector<Size> sizes_;

@@ -218,9 +218,7 @@ void SweepMapping::add_to_map(const std::vector<SweepPoint>& points, const Motio
         returns_.push_back({state.T_map_base.translation_m + arm_m,
                             noise.covariance_m2(arm_m.cast<float>(), beams * point.beam_base)});
     }
-    workers_.run(map_.sizes(), [&](std::size_t size) {
-        for (const PlacedReturn& seen : returns_) map_.add(size, seen.p_map_m, seen.noise_m2);
-    });
+    workers_.run(map_.sizes(), [&](std::size_t size) { map_.add(size, returns_); });
 }
 
 void SweepMapping::forget() {

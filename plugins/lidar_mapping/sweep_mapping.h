@@ -48,10 +48,6 @@ class SweepMapping {
  private:
     template <class Archive>
     friend void fields(Archive&, SweepMapping&);
-    struct PlacedReturn {
-        Eigen::Vector3d p_map_m;
-        Eigen::Matrix3f noise_m2;
-    };
     void begin(double middle_s);
     MotionState moving_first(const Twist3& velocity) const;
     MotionState second_after(const MotionState& first, double duration_s) const;

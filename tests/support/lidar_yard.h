@@ -62,7 +62,7 @@ inline SurfaceMap map_of(const std::vector<Panel>& panels, double sigma_m, std::
         const Panel& panel = any_of(panels, random);
         const Eigen::Vector3d n = panel.edge_a_m.cross(panel.edge_b_m).normalized();
         const Eigen::Vector3d p = place_on(panel, random) + sigma_m * normal(random) * n;
-        for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, p, no_noise);
+        for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, {p, no_noise});
     }
     return map;
 }

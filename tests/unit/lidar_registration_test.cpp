@@ -146,7 +146,7 @@ TEST(Registration, tells_how_old_the_surfaces_are) {
         if (sweep != 3 && sweep != 5) continue;
         for (int k = 0; k < 50000; ++k) {
             const Eigen::Vector3d p = place_on(any_of(panels, random), random);
-            for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, p, no_noise);
+            for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, {p, no_noise});
         }
     }
     const MotionState truth = driving();
@@ -366,7 +366,7 @@ TEST(Registration, claims_no_more_than_it_knows_where_normals_are_uncertain) {
         for (int k = 0; k < 40000; ++k) {
             const double x = across(random), y = across(random);
             for (std::size_t size = 0; size < 2; ++size)
-                map.add(size, {x, y, height(x, y) + 0.01 * normal(random)}, no_noise);
+                map.add(size, {{x, y, height(x, y) + 0.01 * normal(random)}, no_noise});
         }
         MotionState truth;
         truth.T_map_base.translation_m.z() = 1.5;

@@ -31,7 +31,7 @@ TEST(SurfaceMap, plane_of_a_cube_is_that_of_least_squares) {
             const Eigen::Vector3d p =
                 middle + across(random) * a + across(random) * b + 0.01 * normal(random) * n;
             if (p.minCoeff() < 0 || p.maxCoeff() >= 0.5) continue;
-            map.add(0, p, no_noise);
+            map.add(0, {p, no_noise});
             const std::array<int, 3> part = {static_cast<int>(p.x() * 8), static_cast<int>(p.y() * 8),
                                              static_cast<int>(p.z() * 8)};
             if (seen.insert(part).second) counted.push_back(p);
@@ -59,15 +59,49 @@ TEST(SurfaceMap, what_is_seen_again_at_the_same_place_counts_once) {
     SurfaceMap map(settings);
     // One ring across a cube, a hundred times: a line, which is no plane.
     for (int round = 0; round < 100; ++round)
-        for (double y = 0.02; y < 0.5; y += 0.04) map.add(0, {0.1 + 0.001 * (round % 7), y, 0.2}, no_noise);
+        for (double y = 0.02; y < 0.5; y += 0.04) map.add(0, {{0.1 + 0.001 * (round % 7), y, 0.2}, no_noise});
     EXPECT_EQ(map.find(from_above({0.1, 0.2, 0.2})).kind, SurfaceKind::none);
     // And what lies between the rings has its part still, when the lidar has moved on.
     for (double x = 0.02; x < 0.5; x += 0.06)
-        for (double y = 0.02; y < 0.5; y += 0.06) map.add(0, {x, y, 0.2}, no_noise);
+        for (double y = 0.02; y < 0.5; y += 0.06) map.add(0, {{x, y, 0.2}, no_noise});
     const SurfaceMatch match = map.find(from_above({0.4, 0.4, 0.21}));
     ASSERT_EQ(match.kind, SurfaceKind::plane);
     EXPECT_GT(std::abs(match.direction_map.z()), 0.9999F);
     EXPECT_NEAR(std::abs(match.direction_map.dot(match.offset_m)), 0.01, 1e-3);
+}
+
+TEST(SurfaceMap, places_at_once_find_what_each_finds_alone) {
+    std::mt19937_64 random(8);
+    std::uniform_real_distribution<double> anywhere(-6, 6);
+    const SurfaceMapSettings settings;
+    SurfaceMap together(settings), one_by_one(settings);
+    std::vector<PlacedReturn> returns;
+    for (int k = 0; k < 30000; ++k)
+        returns.push_back({{anywhere(random), anywhere(random), k % 3 == 0 ? 0.3 : 2.4}, no_noise});
+    for (std::size_t size = 0; size < together.sizes(); ++size) {
+        together.add(size, returns);
+        for (const PlacedReturn& seen : returns) one_by_one.add(size, seen);
+    }
+    EXPECT_EQ(together.cells(), one_by_one.cells());
+    int found = 0, none = 0;
+    for (int run = 0; run < 200; ++run) {
+        std::array<MapReturn, SurfaceMap::at_once> seen;
+        std::array<SurfaceMatch, SurfaceMap::at_once> matches;
+        for (MapReturn& s : seen) s = from_above({anywhere(random), anywhere(random), anywhere(random)});
+        const std::size_t count = 1 + static_cast<std::size_t>(run) % SurfaceMap::at_once, smallest = run % 2;
+        together.find(seen.data(), count, smallest, matches.data());
+        for (std::size_t k = 0; k < count; ++k) {
+            const SurfaceMatch alone = one_by_one.find(seen[k], smallest);
+            ASSERT_EQ(matches[k].kind, alone.kind);
+            ++(alone.kind == SurfaceKind::none ? none : found);
+            if (alone.kind == SurfaceKind::none) continue;
+            EXPECT_EQ(matches[k].offset_m, alone.offset_m);
+            EXPECT_EQ(matches[k].direction_map, alone.direction_map);
+            EXPECT_EQ(matches[k].variance_m2, alone.variance_m2);
+        }
+    }
+    EXPECT_GT(found, 100);
+    EXPECT_GT(none, 100);
 }
 
 /// One ring of a lidar 1.8 m above the ground, 15 m away, seen again and again with noise of its ranges: the
@@ -91,8 +125,8 @@ TEST(SurfaceMap, noise_of_ranges_makes_no_plane_of_a_ring) {
             const Eigen::Vector3f b = beam.cast<float>();
             const Eigen::Matrix3f noise = static_cast<float>(sigma_m * sigma_m) * b * b.transpose();
             for (std::size_t size = 0; size < told.sizes(); ++size) {
-                told.add(size, p, noise);
-                untold.add(size, p, no_noise);
+                told.add(size, {p, noise});
+                untold.add(size, {p, no_noise});
             }
         }
         const Eigen::Vector3d place(0.25 + 0.01 * run, 0.25, 0.1);
@@ -121,8 +155,8 @@ TEST(SurfaceMap, noise_across_a_face_of_parts_does_not_draw_a_surface_to_it) {
         SurfaceMap map(settings), untold(settings);
         for (int k = 0; k < 1000; ++k) {
             const Eigen::Vector3d p(across(random), across(random), floor_m + sigma_m * normal(random));
-            map.add(0, p, told);
-            untold.add(0, p, no_noise);
+            map.add(0, {p, told});
+            untold.add(0, {p, no_noise});
         }
         const auto measure = [&](const SurfaceMap& of, double& sum_m, int& count) {
             const SurfaceMatch match = of.find(from_above({0.25, 0.25, floor_m}));
@@ -154,7 +188,8 @@ TEST(UprightWalls, tell_which_way_is_up) {
             const Panel& panel = any_of(seen, random);
             const Eigen::Vector3d n = panel.edge_a_m.cross(panel.edge_b_m).normalized();
             for (std::size_t size = 0; size < 2; ++size)
-                map.add(size, R_map_level * (place_on(panel, random) + 0.02 * normal(random) * n), no_noise);
+                map.add(size,
+                        {R_map_level * (place_on(panel, random) + 0.02 * normal(random) * n), no_noise});
         }
         return map;
     };
@@ -187,7 +222,7 @@ TEST(SurfaceMap, knows_where_returns_were_as_brute_force_does) {
     std::vector<Eigen::Array3i> seen;
     for (int k = 0; k < 3000; ++k) {
         const Eigen::Vector3d p_m = drawn();
-        map.add(0, p_m, no_noise);
+        map.add(0, {p_m, no_noise});
         seen.push_back(part_of(p_m));
     }
     int near = 0;
@@ -213,7 +248,7 @@ TEST(SurfaceMap, forgets_what_is_far_and_keeps_the_rest) {
     for (int k = 0; k < 200000; ++k) {
         std::uniform_real_distribution<double> x(-100, 100), y(-3, 3);
         const Eigen::Vector3d p(x(random), y(random), 0.1);
-        for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, p, no_noise);
+        for (std::size_t size = 0; size < map.sizes(); ++size) map.add(size, {p, no_noise});
     }
     const std::size_t before = map.cells();
     ASSERT_EQ(map.find(from_above({50, 1, 0.1})).kind, SurfaceKind::plane);
