@@ -33,9 +33,12 @@ Eigen::MatrixXd kalman_gain(MatrixIn P, MatrixIn H, MatrixIn S) {
 }
 
 Eigen::MatrixXd updated_covariance(MatrixIn P, MatrixIn K, MatrixIn H, MatrixIn R) {
-    Eigen::MatrixXd left = -K * H;
-    left.diagonal().array() += 1;
-    return propagated(left, P) + propagated(K, R);
+    // K and H are narrow: what is added costs less than products of I - K H.
+    Eigen::MatrixXd after = P;
+    after.noalias() -= K * Eigen::MatrixXd(H * P);
+    const Eigen::MatrixXd KR_less = K * R - after * H.transpose();
+    after.noalias() += KR_less * K.transpose();
+    return after;
 }
 
 Spectrum spectrum_of(MatrixIn A) {

@@ -20,6 +20,22 @@ double own_variance(double told_variance, int row) {
     return told_variance < tells_nothing ? own * own : 0;
 }
 
+/// From the errors of a state and of its motion to those of the state after it: the identity but for the
+/// pose, which the motion carries on, and for the slow error of the fixes, which fades.
+struct Transition {
+    Matrix6d by_pose, by_motion;
+    double keeps;
+
+    /// P F'.
+    Eigen::MatrixXd from_right(MatrixIn P) const {
+        Eigen::MatrixXd PFt = P.leftCols<state_errors>();
+        PFt.leftCols<6>() =
+            product(P.leftCols<6>(), by_pose.transpose()) + product(P.rightCols<6>(), by_motion.transpose());
+        PFt.middleCols<3>(fix_errors_at) *= keeps;
+        return PFt;
+    }
+};
+
 }  // namespace
 
 EarthState moved_by(const EarthState& state, const StateVector& error) {
@@ -119,15 +135,11 @@ Carried carry(const StateAndMotion& both, double duration_s, const FixErrorProce
     const double keeps = std::exp(-duration_s / fixes.correlation_s);
     after.fix_error_m *= keeps;
 
-    Eigen::Matrix<double, state_errors, StateAndMotion::errors> F;
-    F.setZero();
-    F.leftCols<state_errors>().setIdentity();
-    F.topLeftCorner<6, 6>() = carried_along(after.T_enu_base.translation_m - before.T_enu_base.translation_m);
-    F.block<3, 3>(fix_errors_at, fix_errors_at) *= keeps;
-    F.topRightCorner<6, 6>() = turned_both(before.T_enu_base.rotation);
-    const Eigen::MatrixXd PFt = product(both.covariance, F.transpose());
+    const Transition F{carried_along(after.T_enu_base.translation_m - before.T_enu_base.translation_m),
+                       turned_both(before.T_enu_base.rotation), keeps};
+    const Eigen::MatrixXd PFt = F.from_right(both.covariance);
     carried.before_and_after = PFt.topRows<state_errors>();
-    after.covariance = product(F, PFt);
+    after.covariance = F.from_right(PFt.transpose());
     after.covariance.diagonal().segment<3>(fix_errors_at) += (1 - keeps * keeps) * fixes.sigma_m.cwiseAbs2();
     after.covariance.diagonal().segment<wheel_error_count>(wheel_errors_at) +=
         both.T_from_to.translation_m.norm() / 1000 * wheels.drift_km.cwiseAbs2();
