@@ -17,7 +17,9 @@ constexpr std::size_t most_poses_since = 3000;
 /// Nor is a path that rests on fixes of so many times [fusion] re_entry_s.
 constexpr double rests_on_enough = 2;
 constexpr double interpolation_sigma_m = 0.003;  // of where the vehicle was between two poses
-constexpr double nothing_known = 100;            // variance, m^2 or rad^2
+/// Which direction an odometry leaves free, as along a tunnel, it knows no better than this.
+constexpr double free_direction_rad = 0.005;
+constexpr double nothing_known = 100;  // variance, m^2 or rad^2
 constexpr double no_height_sigma_m = 1e3;
 constexpr double slow_mps = 1;  // Doppler shifts tell no heading below
 
@@ -101,10 +103,22 @@ double EarthPath::speed_mps(std::size_t number) const {
     return (pose(number).way_m - pose(number - 1).way_m) / duration_s(number);
 }
 
+/// Where the odometry's surroundings leave a direction free, each motion tells with an error of its own which
+/// one that is, and which turn goes with it. Taken at its word, a centimetre that is missed across would be
+/// made up for by tens of metres to and fro along directions that differ by as much.
+void EarthPath::forget_what_goes_with_free_ways(Matrix6d& covariance) const {
+    const double shift_m2 = covariance.topLeftCorner<3, 3>().trace();
+    if (shift_m2 < settings_.held_m * settings_.held_m) return;
+    covariance.topRightCorner<3, 3>().setZero();
+    covariance.bottomLeftCorner<3, 3>().setZero();
+    covariance.diagonal().head<3>().array() += free_direction_rad * free_direction_rad * shift_m2;
+}
+
 /// The odometry's motion with the drift that it does not tell.
 Motion EarthPath::odometry_to(std::size_t number) const {
     const PoseNode &a = pose(number - 1), &b = pose(number);
     Motion motion{a.T_odom_base.inverse() * b.T_odom_base, b.covariance};
+    forget_what_goes_with_free_ways(motion.covariance);
     const double way_m = motion.T_from_to.translation_m.norm();
     motion.covariance.diagonal().head<3>().array() += settings_.drift_m * settings_.drift_m * way_m;
     motion.covariance.diagonal().tail<3>().array() += settings_.drift_rad * settings_.drift_rad * way_m;

@@ -166,6 +166,7 @@ class EarthPath : public FusedPath {
     void take(PoseNode node);
     double duration_s(std::size_t number) const;
     double speed_mps(std::size_t number) const;
+    void forget_what_goes_with_free_ways(Matrix6d& covariance) const;
     Motion odometry_to(std::size_t number) const;
     Motion without_what_wheels_told(Motion motion) const;
     StateAndMotion motion_to(std::size_t number, const EarthState& from, WheelUse* use = nullptr) const;

@@ -7,6 +7,15 @@
 
 namespace loopline::lidar_mapping {
 
+Matrix6d what_is_new(const Registration& found, const Matrix6d& before) {
+    Vector6d lever;
+    lever << 1, 1, 1, Eigen::Vector3d::Constant(found.mean_range_m);
+    const Matrix6d more = found.by_prediction - propagated(found.left, before);
+    const Spectrum spectrum = spectrum_of(lever.asDiagonal() * more * lever.asDiagonal());
+    const Matrix6d directions = lever.cwiseInverse().asDiagonal() * spectrum.vectors;
+    return propagated(directions, spectrum.values.cwiseMax(0.0).asDiagonal().toDenseMatrix());
+}
+
 Matrix6d of_coming_back(const Registration& found, const Matrix6d& before) {
     const Vector6d back = before * solved(found.predicted, found.correction);
     return back * back.transpose();

@@ -11,6 +11,10 @@ namespace loopline::lidar_mapping {
 /// more than chance, and all of it stays.
 Matrix6d what_lasts(const Registration& found);
 
+/// Of the pose's error by the prediction, what was not there before: where the surroundings leave it free, the
+/// error of the sweep before stays, and is no new one. `before`: as of_coming_back() takes it.
+Matrix6d what_is_new(const Registration& found, const Matrix6d& before);
+
 /// Of the motion that brings a pose back, to where the surroundings have it, after they left it free: the
 /// part of the correction that, of all that the prediction is uncertain by, `before` has to answer for, which
 /// is Registration::by_prediction of the sweep before, carried along. Where the surroundings have gone astray

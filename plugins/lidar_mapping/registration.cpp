@@ -306,6 +306,7 @@ Registration register_sweep(const SurfaceMap& map, const std::vector<SweepPoint>
     result.state.covariance = (by_scan + by_prediction).topLeftCorner<12, 12>();
     result.predicted = predicted.covariance.topLeftCorner<6, 6>();
     result.correction = difference(result.state, predicted).head<6>();
+    result.left = left.topLeftCorner<6, 6>();
     result.by_scan = by_scan.topLeftCorner<6, 6>();
     result.by_prediction = by_prediction.topLeftCorner<6, 6>();
     if (result.degeneracy.free_directions == 0) result.state.way_on_trust_m = 0;

@@ -37,6 +37,7 @@ struct Registration {
     /// the prediction. The sum is that of the state.
     Matrix6d by_scan = Matrix6d::Zero(), by_prediction = Matrix6d::Zero();
     Matrix6d predicted = Matrix6d::Identity();  ///< covariance of the predicted pose
+    Matrix6d left = Matrix6d::Zero();           ///< what of an error of the predicted pose is left in it
     Eigen::Matrix<double, 6, 1> correction = Eigen::Matrix<double, 6, 1>::Zero();  ///< of that pose
     double age_sweeps = 0;  ///< of the surfaces, in sweeps of the map, mean by what each point counts
     double mean_range_m = 1;

@@ -81,8 +81,9 @@ void SweepMapping::carry_covariance(const Eigen::Vector3d& way_m, const Matrix6d
     if (sweeps_ == 0 || stands_) return;
     const Matrix6d F = inertial::carried_along(way_m);
     const bool sets_off = covariance_.isZero();
-    covariance_ = propagated(F, covariance_) + last_.by_prediction +
-                  of_coming_back(last_, propagated(F, free_before)) +
+    Matrix6d carried = Matrix6d::Zero();
+    if (!sets_off) carried = propagated(F, free_before);
+    covariance_ = propagated(F, covariance_) + what_is_new(last_, carried) + of_coming_back(last_, carried) +
                   (sets_off ? last_.by_scan : what_lasts(last_));
 }
 

@@ -52,7 +52,10 @@ struct Receiver {
     Eigen::Vector3d jump_m = Eigen::Vector3d::Zero();
     double latency_s = 0.15, sigma_latency_s = 0;  ///< that stamps do not tell
     double scale_in_outage = 1;                    ///< of the odometry
-    double leans_at_s = 1e9, lean_rad = 0;         ///< the odometry tells a pitch that there was none of
+    /// Standard deviation of each of the odometry's motions in the outage, forward: as along a tunnel, and by
+    /// a direction that each sweep tells anew, and not quite.
+    double free_in_outage_m = 0;
+    double leans_at_s = 1e9, lean_rad = 0;  ///< the odometry tells a pitch that there was none of
 };
 
 /// Wheels beside the odometry, or alone.
@@ -100,6 +103,13 @@ inline EarthPath followed(const Drive& drive, const Receiver& receiver, std::uin
                 T.rotation = inertial::exp_so3(drawn(random, odometry_sigma_rad)) * T.rotation;
                 covariance.diagonal() << Eigen::Vector3d::Constant(odometry_sigma_m * odometry_sigma_m),
                     Eigen::Vector3d::Constant(odometry_sigma_rad * odometry_sigma_rad);
+            }
+            if (receiver.free_in_outage_m > 0 && t > receiver.outage_from_s && t < receiver.outage_to_s) {
+                const Eigen::Vector3d across = drawn(random, 2e-3), turn = drawn(random, 1e-4);
+                Eigen::Matrix<double, 6, 1> free;
+                free << 1, across.y(), across.z(), turn;
+                free *= receiver.free_in_outage_m;
+                covariance += free * free.transpose();
             }
             if (wheels) {
                 const Twist3 twist = log_se3(drive.T_enu_base[k - 1].inverse() * drive.T_enu_base[k]);

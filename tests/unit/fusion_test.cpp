@@ -105,6 +105,38 @@ TEST(EarthPath, an_outage_is_bridged_and_smoothed) {
     EXPECT_EQ(path.re_entries(), 0U);
 }
 
+// Along a tunnel: what is missed across is a centimetre, and no reason to drive to and fro.
+TEST(EarthPath, what_was_missed_along_a_free_direction_is_laid_out_along_the_way) {
+    Receiver receiver;
+    receiver.outage_from_s = 20;
+    receiver.outage_to_s = 80;
+    receiver.scale_in_outage = 1.03;
+    receiver.free_in_outage_m = 10;
+    Drive drive(110, 1);
+    std::vector<Pose3> straight = {drive.T_enu_base.front()};
+    for (std::size_t i = 1; i < drive.T_enu_base.size(); ++i) {  // straight on
+        const double way_m =
+            (drive.T_enu_base[i].translation_m - drive.T_enu_base[i - 1].translation_m).norm();
+        straight.push_back(straight.back() * exp_se3({{way_m, 0, 0}, {0, 0, 0}}));
+    }
+    drive.T_enu_base = straight;
+    constexpr std::uint64_t seeds = 5;
+    double sum_m = 0;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+        EarthPath path = followed(drive, receiver, seed);
+        const Pose3 T = T_path_truth(path);
+        const auto smoothed = path.finished();
+        double worst_m = 0;
+        for (std::size_t i = 200; i < 800; ++i)
+            worst_m = std::max(
+                worst_m,
+                (smoothed[i].T_enu_base.translation_m - (T * drive.T_enu_base[i]).translation_m).norm());
+        sum_m += worst_m;
+    }
+    const double missed_m = 0.03 * 8 * 60;
+    EXPECT_LT(sum_m / seeds, 0.05 * missed_m);
+}
+
 // 2 % of the way are far more than what the odometry says of itself.
 TEST(EarthPath, finds_back_within_seconds_after_an_outage_that_the_odometry_did_not_bridge) {
     Receiver receiver;

@@ -177,6 +177,36 @@ TEST(LastingError, is_what_the_surfaces_are_renewed_by_or_all_where_hardly_anyth
     EXPECT_LT((what_lasts(found) - found.by_scan).cwiseAbs().maxCoeff(), 1e-12);
 }
 
+/// Sweeps that leave a direction free, all or half of it: the sum of what is new is what the pose is off by.
+TEST(LastingError, what_is_new_adds_up_to_the_pose_s_error) {
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> normal;
+    constexpr int runs = 20000, sweeps = 30;
+    constexpr double moved_m = 0.1;
+    std::vector<double> off_m(runs), added_m(runs);
+    double told_m2 = 0, free_m2 = 0;
+    for (int k = 0; k < sweeps; ++k) {
+        Registration found;
+        const double left = k % 10 == 9 ? 0 : 1;  // every tenth one finds back
+        found.left.setIdentity();
+        found.left(0, 0) = left;
+        Matrix6d before = Matrix6d::Zero();
+        before(0, 0) = free_m2;
+        free_m2 = left * left * (free_m2 + moved_m * moved_m);
+        found.by_prediction(0, 0) = free_m2;
+        told_m2 += what_is_new(found, before)(0, 0);
+        for (int run = 0; run < runs; ++run) {
+            const auto r = static_cast<std::size_t>(run);
+            const double now_m = left * (off_m[r] + moved_m * normal(random));
+            added_m[r] += now_m - left * off_m[r];
+            off_m[r] = now_m;
+        }
+    }
+    double square_m2 = 0;
+    for (const double m : added_m) square_m2 += m * m / runs;
+    EXPECT_NEAR(told_m2 / square_m2, 1, 0.03);
+}
+
 /// Of a correction, what makes up for an error of the pose before and what for an acceleration: as the mean
 /// of those drawn that give it.
 TEST(LastingError, of_coming_back_is_the_part_of_the_correction_that_the_pose_before_answers_for) {
