@@ -81,7 +81,10 @@ void EarthPath::take(PoseNode node) {
 void EarthPath::take_fix(const gnss::GnssFix& fix, bool withheld) {
     if (!fix.is_usable()) return judge({fix, withheld}, FixUse::no_position);
     if (!earth_) earth_.emplace(fix.antenna);
-    waiting_.push_back({fix, withheld});
+    // One that is stamped far ahead lets those after it pass.
+    const auto later = std::upper_bound(waiting_.begin(), waiting_.end(), fix.stamp_ns,
+                                        [](StampNs t, const WaitingFix& w) { return t < w.fix.stamp_ns; });
+    waiting_.insert(later, {fix, withheld});
     use_waiting();
 }
 
@@ -305,7 +308,8 @@ EarthPath::Placed EarthPath::update_place(const PresentFix& seen, double& off_m)
     const double white_m =
         std::hypot(seen.sigma.white_m.x(), settings_.sigma_latency_s * seen.then.velocity.shift_m.norm());
     const ReEntry::Fix judged{fix.stamp_ns, pose(*committed_).way_m,
-                              std::hypot(white_m, seen.sigma.correlated_m.x()), white_m};
+                              std::hypot(white_m, seen.sigma.correlated_m.x()), white_m,
+                              pose(*committed_).by_wheels};
     Innovation<3> place = innovation_of(seen, state_);
     off_m = place.off.norm();
     if (!passes(place)) {

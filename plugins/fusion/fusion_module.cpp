@@ -81,7 +81,11 @@ void FusionModule::process(const StreamItem& item, Publisher& publisher) {
 }
 
 void FusionModule::take_fix(const mrpt::obs::CObservationGPS& gps, StampNs stamp_ns) {
-    if (!receiver_label_.empty() && gps.sensorLabel != receiver_label_) return;
+    if (!receiver_label_.empty() && gps.sensorLabel != receiver_label_) {
+        ++fixes_of_others_;
+        return;
+    }
+    ++fixes_came_;
     gnss::GnssFix fix = gnss::fix_from_mrpt(gps, stamp_ns).value_or(gnss::GnssFix{});
     fix.stamp_ns -= std::llround(1e9 * latency_s_);
     path_->take_fix(fix, is_withheld(fix.stamp_ns));
@@ -139,19 +143,13 @@ void FusionModule::drain(Publisher& publisher) {
     waiting_.reset();
 }
 
-void FusionModule::take_wheels(const Moment& now, const Pose2& T_odom_base, Publisher& publisher) {
-    const bool finite = std::isfinite(T_odom_base.x_m) && std::isfinite(T_odom_base.y_m) &&
-                        std::isfinite(T_odom_base.phi_rad);
-    if (!finite) {
-        ++not_finite_;
-        return;
-    }
-    if (!wheel_path_.take(now.stamp_ns, T_odom_base)) {
-        ++backwards_;
-        return;
-    }
-    const Twist2 told = last_wheels_ ? log_se2(last_wheels_->inverse() * T_odom_base) : Twist2{};
-    last_wheels_ = T_odom_base;
+void FusionModule::take_wheels(const Moment& now, const Pose2& T_told_base, Publisher& publisher) {
+    using Verdict = WheelReadings::Verdict;
+    const Verdict verdict = wheel_readings_.take(now.stamp_ns, T_told_base);
+    if (verdict == Verdict::not_finite || verdict == Verdict::backward) return;
+    const Pose2& T_odom_base = wheel_readings_.T_odom_base();
+    const Twist2 told = wheel_readings_.motion();
+    wheel_path_.take(now.stamp_ns, T_odom_base);
     publish_calibrated(now, told, publisher);
     if (motion_label_.empty()) {
         error_state_->take_wheels(now.stamp_ns, told);
@@ -203,10 +201,14 @@ void FusionModule::finish(Results& results) {
     if (online_.empty()) {
         if (results.refused) return;  // the module that should have published them says why it did not
         results.refused =
-            "no pose with the label " + (motion_label_.empty() ? told_wheels_label_ : motion_label_) +
-            " came, which module fusion is for; put the module that publishes it in [run] modules, or name "
-            "another in [fusion] " +
-            (motion_label_.empty() ? "wheels" : "motion");
+            motion_label_.empty()
+                ? "no wheel odometry with the label " + told_wheels_label_ +
+                      " came, which module fusion is for; see `loopline check` for the labels of the log, "
+                      "and "
+                      "name one in [fusion] wheels"
+                : "no pose with the label " + motion_label_ +
+                      " came, which module fusion is for; put the module that publishes it in [run] modules, "
+                      "name another in [fusion] motion, or leave that empty for wheels alone";
         return;
     }
     const std::vector<PoseOnEarth> path = path_->finished();

@@ -17,6 +17,7 @@
 #include "api/set_aside.h"
 #include "fusion/earth_path.h"
 #include "fusion/paper_path.h"
+#include "fusion/wheel_readings.h"
 
 namespace mrpt::obs {
 class CObservationGPS;
@@ -27,8 +28,9 @@ namespace loopline {
 /// For every pose of the odometry (of the wheels, if there is no other) it publishes
 /// - "fusion", from when the heading is known: the pose in the local frame of the first fix (x east, y north,
 ///   z up), CObservationRobotPose;
-/// - "fused_odometry": the way so far by all who tell of motion, in a frame that no fix ever moves,
-///   CObservationRobotPose;
+/// - "fused_odometry", by the error-state filter: the way so far by all who tell of motion, in a frame that
+/// no
+///   fix ever moves, CObservationRobotPose;
 /// and for every pose of the wheels
 /// - "calibrated_wheels": their way without the errors that last, CObservationOdometry, at once, so that a
 ///   module that matches scans can begin there; what that finds may come back as the odometry.
@@ -73,13 +75,15 @@ class FusionModule : public Module {
     void take_pose(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher);
     void take_upright(const Moment& now, const PoseWithCovariance& levelling);
     void follow(const Moment& now, const PoseWithCovariance& pose, Publisher& publisher);
-    void take_wheels(const Moment& now, const Pose2& T_odom_base, Publisher& publisher);
+    void take_wheels(const Moment& now, const Pose2& T_told_base, Publisher& publisher);
     void publish(const Moment& now, const Pose3& T_odom_base, Publisher& publisher);
     void publish_calibrated(const Moment& now, const Twist2& told, Publisher& publisher);
     void keep_fix(const gnss::GnssFix& fix, fusion::FixUse use);
     void report(Results& results) const;
     void hand_over_inputs(const Pose3& T_enu_base_first, Results& results) const;
     void report_wheels(Results& results) const;
+    void report_fixes(Results& results) const;
+    void report_what_never_came(Results& results) const;
     void report_gaps(Results& results) const;
     void report_lag(Results& results) const;
 
@@ -99,7 +103,7 @@ class FusionModule : public Module {
     std::optional<std::pair<Moment, PoseWithCovariance>> waiting_;  ///< for wheels of its time
     std::optional<std::pair<StampNs, fusion::Upright>> upright_;    ///< the latest
     PlanarPath wheel_path_;
-    std::optional<Pose2> last_wheels_;
+    fusion::WheelReadings wheel_readings_;
     Pose2 T_odom_calibrated_;  ///< wheels without the errors that last
     PoseWithCovariance fused_odometry_;
     ObservationPool<mrpt::obs::CObservationOdometry> calibrated_pool_;
@@ -108,7 +112,8 @@ class FusionModule : public Module {
     std::optional<double> geoid_separation_m_;  ///< of the first of them
     std::optional<Eigen::Vector3d> p_base_antenna_m_;
     std::filesystem::path scratch_folder_;
-    std::int64_t backwards_ = 0, not_finite_ = 0;
+    std::int64_t backwards_ = 0, not_finite_ = 0;        ///< poses
+    std::int64_t fixes_of_others_ = 0, fixes_came_ = 0;  ///< of receivers that are not wanted, and that are
 
     Trajectory trajectory_;  ///< laid out at the end
 };

@@ -105,6 +105,11 @@ std::string FusionModule::check() const {
     if (motion_label_.empty() && told_wheels_label_.empty())
         return "motion and wheels are both empty; name the label of poses in one of them, such as motion = "
                "lidar_mapping";
+    for (const auto& [key, label] :
+         {std::pair("motion", motion_label_), std::pair("wheels", told_wheels_label_)})
+        if (label == published_label || label == odometry_label || label == wheels_label)
+            return std::string(key) + " = " + label +
+                   " is what this module publishes itself; name what it is to be made of";
     if (sync_ == Sync::threshold && filter_ != Filter::paper)
         return "sync = threshold is for filter = paper; the other filter takes each fix at its own time";
     if (filter_ == Filter::paper && motion_label_.empty())

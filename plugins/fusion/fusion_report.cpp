@@ -13,6 +13,8 @@ using namespace fusion;
 namespace {
 constexpr double least_gap_way_m = 20;  // of which a part of the way makes sense
 constexpr std::size_t most_told_gaps = 99;
+/// More than such a part of all fixes with a position is not reflected.
+constexpr double off_too_often = 0.4;
 constexpr double lag_matters_s = 0.05, lag_is_certain = 5;  // standard deviations
 }  // namespace
 
@@ -41,6 +43,7 @@ void FusionModule::report(Results& results) const {
     }
     if (backwards_ > 0) metrics["poses_backward"] = backwards_;
     if (not_finite_ > 0) metrics["poses_not_finite"] = not_finite_;
+    report_what_never_came(results);
     report_wheels(results);
     report_gaps(results);
     report_lag(results);
@@ -59,6 +62,7 @@ void FusionModule::report(Results& results) const {
     metrics["heading_found_way_m"] = path_->heading().way_m;
     metrics["heading_found_sigma_deg"] = path_->heading().sigma_rad * 180 / M_PI;
     if (paper_ != nullptr) metrics["frames_fused"] = static_cast<std::int64_t>(paper_->fused());
+    report_fixes(results);
     if (error_state_ == nullptr) return;
     metrics["gnss_re_entries"] = static_cast<std::int64_t>(error_state_->re_entries());
     metrics["gnss_mean_square"] = error_state_->mean_square();
@@ -68,9 +72,44 @@ void FusionModule::report(Results& results) const {
     }
 }
 
+/// A label that nothing has is a slip of the pen, or the log is another one.
+void FusionModule::report_what_never_came(Results& results) const {
+    if (fixes_of_others_ > 0) results.metrics["gnss_of_other_receivers"] = fixes_of_others_;
+    if (fixes_came_ == 0 && fixes_of_others_ > 0)
+        results.warnings.push_back("no receiver has the label " + receiver_label_ + ", others have sent " +
+                                   std::to_string(fixes_of_others_) +
+                                   " fixes; see `loopline check` for their labels, and [fusion] receiver");
+    if (!told_wheels_label_.empty() && !motion_label_.empty() && wheel_readings_.taken() == 0)
+        results.warnings.push_back("no wheel odometry with the label " + told_wheels_label_ +
+                                   " came, so that the path goes on without wheels; see `loopline check` for "
+                                   "the labels of the log, and [fusion] wheels");
+}
+
+void FusionModule::report_fixes(Results& results) const {
+    const std::size_t off = path_->count(FixUse::off_the_path), used = path_->count(FixUse::used),
+                      out_of_sync = path_->count(FixUse::out_of_sync);
+    if (static_cast<double>(off) > off_too_often * static_cast<double>(off + used))
+        results.warnings.push_back(
+            std::to_string(off) + " of " + std::to_string(off + used) +
+            " fixes contradict the path: they were reflected, or the motion is not what it says, as where "
+            "wheels slip; where that is, earth_plan.png shows");
+    if (out_of_sync > 0 && used == 0)
+        results.warnings.push_back(
+            "no frame had a fix and all that [fusion] names within sync_s of it, so that the path goes on by "
+            "the motion alone; see sync_s, and sync = interpolate");
+}
+
 void FusionModule::report_wheels(Results& results) const {
-    if (told_wheels_label_.empty() || error_state_ == nullptr) return;
+    if (told_wheels_label_.empty()) return;
     auto& metrics = results.metrics;
+    using Verdict = WheelReadings::Verdict;
+    metrics["wheel_readings"] = wheel_readings_.count(Verdict::good);
+    for (const auto& [verdict, reason] :
+         {std::pair(Verdict::backward, "backward"), std::pair(Verdict::not_finite, "not_finite"),
+          std::pair(Verdict::implausible, "implausible")})
+        if (wheel_readings_.count(verdict) > 0)
+            metrics[std::string("wheels_refused_") + reason] = wheel_readings_.count(verdict);
+    if (error_state_ == nullptr) return;
     if (!motion_label_.empty()) {
         metrics["wheels_used"] = static_cast<std::int64_t>(path_->wheel_use().used);
         metrics["wheels_mean_square"] = path_->wheel_use().mean_square();

@@ -70,10 +70,10 @@ void fields(Archive& archive, EarthState& state) {
 template <class Archive>
 void fields(Archive& archive, ReEntry& re_entry) {
     archive.each(re_entry.latest_, [](Archive& a, ReEntry::Judged& fix) {
-        a(fix.stamp_ns, fix.way_m, fix.sigma_m, fix.white_m, fix.used, fix.off_m);
+        a(fix.stamp_ns, fix.way_m, fix.sigma_m, fix.white_m, fix.wheels_lead, fix.used, fix.off_m);
     });
     for (ReEntry::Fix* fix : {&re_entry.begun_, &re_entry.last_used_})
-        archive(fix->stamp_ns, fix->way_m, fix->sigma_m, fix->white_m);
+        archive(fix->stamp_ns, fix->way_m, fix->sigma_m, fix->white_m, fix->wheels_lead);
     archive(re_entry.rests_on_s_);
 }
 
@@ -157,17 +157,17 @@ void fields(Archive& archive, FusionModule& m) {
         if constexpr (Archive::reading) m.upright_ = std::pair<StampNs, fusion::Upright>();
         archive(m.upright_->first, m.upright_->second);
     }
-    archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.last_wheels_, m.T_odom_calibrated_,
+    archive(m.last_, m.last_ns_, m.first_ns_, m.wheel_path_, m.wheel_readings_, m.T_odom_calibrated_,
             m.fused_odometry_, m.online_, m.backwards_, m.not_finite_, m.fixes_, m.geoid_separation_m_,
-            m.p_base_antenna_m_);
+            m.p_base_antenna_m_, m.fixes_of_others_, m.fixes_came_);
 }
 
 void FusionModule::save_state(mrpt::serialization::CArchive& out) const {
-    write_state(out, info().name, 8, *this);
+    write_state(out, info().name, 9, *this);
 }
 
 void FusionModule::load_state(mrpt::serialization::CArchive& in) {
-    read_state(in, info().name, 8, *this);
+    read_state(in, info().name, 9, *this);
 }
 
 }  // namespace loopline

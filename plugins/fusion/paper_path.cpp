@@ -42,10 +42,11 @@ void PaperPath::take_fix(const gnss::GnssFix& fix, bool withheld) {
     if (!fix.is_usable()) return tally(fix, FixUse::no_position);
     if (withheld) return tally(fix, FixUse::withheld);
     if (!earth_) earth_.emplace(fix.antenna);
-    if (frames_.empty() || fix.stamp_ns > frames_.back().stamp_ns)
-        waiting_.push_back(fix);
-    else
-        use(fix);
+    if (!frames_.empty() && fix.stamp_ns <= frames_.back().stamp_ns) return use(fix);
+    // One that is stamped far ahead lets those after it pass.
+    const auto later = std::upper_bound(waiting_.begin(), waiting_.end(), fix.stamp_ns,
+                                        [](StampNs t, const gnss::GnssFix& w) { return t < w.stamp_ns; });
+    waiting_.insert(later, fix);
 }
 
 void PaperPath::use(const gnss::GnssFix& fix) {

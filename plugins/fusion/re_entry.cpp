@@ -11,7 +11,7 @@ constexpr double agreement_s = 3;
 /// Where a vehicle stands a reflected signal stays as it is.
 constexpr double agreement_way_m = 10;
 /// If they are off by more than a path without fixes may come to, as a part of its way.
-constexpr double long_agreement_s = 15, astray = 0.03;
+constexpr double long_agreement_s = 15, astray = 0.03, astray_by_slip = 1;
 
 constexpr double at_least_part = 0.5, by_far = 1.5;  // of all since the first of them; and than any others
 constexpr double rests_factor = 2;                   // for so many times as long as others spoke for the path
@@ -35,6 +35,7 @@ void ReEntry::used(const Fix& fix, double after_s) {
 }
 
 ReEntry::Verdict ReEntry::refused(const Fix& fix, const Eigen::Vector3d& off_m, double after_s) {
+    if (fix.wheels_lead) after_s = std::min(after_s, long_agreement_s);
     see({fix, false, off_m}, after_s);
     const Against against = against_the_path(after_s);
     if (against.span_s == 0) return Verdict::path_holds;
@@ -51,7 +52,7 @@ bool ReEntry::outweighs(double others_s) const {
 
 void ReEntry::begin(StampNs stamp_ns, double way_m) {
     latest_.clear();
-    begun_ = last_used_ = {stamp_ns, way_m, 0, 0};
+    begun_ = last_used_ = {stamp_ns, way_m};
     rests_on_s_ = 0;
 }
 
@@ -88,7 +89,8 @@ ReEntry::Against ReEntry::against_the_path(double after_s) const {
         if (fix.used && counts(fix)) used = fix;
     if (counts(last_used_)) used = last_used_;
 
-    const bool may_be_drift = off_m < astray * (newest.way_m - used.way_m);
+    const double may_be_off = newest.wheels_lead ? astray_by_slip : astray;
+    const bool may_be_drift = off_m < may_be_off * (newest.way_m - used.way_m);
     const double wanted_s = std::min(after_s, std::max(rests_factor * rests_on_s_, long_agreement_s)),
                  least_s = may_be_drift ? agreement_s : std::min(long_agreement_s, wanted_s);
     const std::size_t stride = 1 + latest_.size() / most_lines;
@@ -114,7 +116,7 @@ ReEntry::Against ReEntry::against_the_path(double after_s) const {
         const double part = static_cast<double>(on_line) / static_cast<double>(all);
         if (on_line < agreement || part < at_least_part) continue;
         if (drifts || static_cast<double>(on_line) >= by_far * static_cast<double>(most_others(is_on_line)))
-            return {span_s, part, !drifts && early.off_m.norm() > astray * (early.way_m - used.way_m)};
+            return {span_s, part, !drifts && early.off_m.norm() > may_be_off * (early.way_m - used.way_m)};
     }
     return {};
 }

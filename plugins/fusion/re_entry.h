@@ -16,9 +16,10 @@ class ReEntry {
  public:
     struct Fix {
         StampNs stamp_ns = 0;
-        double way_m = 0;    ///< of the vehicle up to there
-        double sigma_m = 0;  ///< standard deviation, east and north each
-        double white_m = 0;  ///< of what of that neighbouring fixes do not share
+        double way_m = 0;          ///< of the vehicle up to there
+        double sigma_m = 0;        ///< standard deviation, east and north each
+        double white_m = 0;        ///< of what of that neighbouring fixes do not share
+        bool wheels_lead = false;  ///< alone: they slip, which looks like a jump of the fixes
     };
     /// From now on fixes are held against a path.
     void begin(StampNs stamp_ns, double way_m);

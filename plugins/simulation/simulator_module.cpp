@@ -44,7 +44,8 @@ void write_world(const World& world, SimulationSink& sink) {
     if (std::isfinite(world.ceiling_m)) sink.truth({"level", 2, {world.ceiling_m}});
 }
 
-/// Writes poses at scans, and between them at a rate of its own, in the order of time.
+/// Writes poses at scans (at all that is sensed, if nothing scans), and between them at a rate of its own, in
+/// the order of time.
 class TruePath {
  public:
     TruePath(const Scene& scene, double rate_hz, SimulationSink& sink)
@@ -130,6 +131,8 @@ void WorldSimulator::simulate(SimulationSink& sink) {
     for (Sensor* sensor : sensors) sensor->start(*scene);
     const double total_s = seconds_between(0, scene->duration_ns());
     TruePath path(*scene, scenario_.truth_hz, sink);
+    const bool scans = std::any_of(sensors.begin(), sensors.end(),
+                                   [](const Sensor* sensor) { return sensor->is_scanner(); });
     for (std::uint64_t made = 0;; ++made) {
         Sensor* const next = *std::min_element(
             sensors.begin(), sensors.end(),
@@ -137,7 +140,7 @@ void WorldSimulator::simulate(SimulationSink& sink) {
         const StampNs time_ns = next->next_time_ns();
         if (time_ns > scene->duration_ns()) break;
         path.write_until(time_ns);
-        if (next->is_scanner()) path.write_at(time_ns);
+        if (next->is_scanner() || !scans) path.write_at(time_ns);
         sink.observation(*next->next());
         if (made % 1000 == 0 || next->is_slow()) sink.progress(seconds_between(0, time_ns), total_s);
     }

@@ -86,6 +86,34 @@ TEST(FusionModule, says_so_where_fixes_are_stamped_late) {
     EXPECT_TRUE(warnings_of_late_fixes(0, "0").empty());
 }
 
+TEST(FusionModule, says_so_where_nothing_has_the_label_that_was_asked_for) {
+    FusionModule module;
+    const ParameterTable table = module.parameters();
+    for (const auto& parameter : table.parameters()) {
+        if (parameter.name == "wheels") {
+            EXPECT_FALSE(parameter.parse("odometry_at_swep"));
+        }
+        if (parameter.name == "receiver") {
+            EXPECT_FALSE(parameter.parse("gps"));
+        }
+    }
+    module.start({});
+    Unheard publisher;
+    for (int k = 1; k < 20; ++k) module.process(pose_at(k, k), publisher);
+    gnss::GnssFix fix;
+    fix.stamp_ns = 5'000'000'000LL;
+    fix.has_position = true;
+    module.process({99, fix.stamp_ns, gnss::gps_observation(fix, "gnss")}, publisher);
+    module.drain(publisher);
+    Results results;
+    module.finish(results);
+    ASSERT_GE(results.warnings.size(), 2U);
+    EXPECT_NE(results.warnings[0].find("no receiver has the label gps"), std::string::npos);
+    EXPECT_NE(results.warnings[1].find("no wheel odometry with the label odometry_at_swep"),
+              std::string::npos);
+    EXPECT_EQ(std::get<std::int64_t>(results.metrics.at("gnss_of_other_receivers")), 1);
+}
+
 TEST(FusionModule, settings_that_do_not_go_together_are_refused) {
     const auto complaint = [](const std::vector<std::pair<std::string, std::string>>& keys) {
         FusionModule module;
@@ -103,6 +131,9 @@ TEST(FusionModule, settings_that_do_not_go_together_are_refused) {
     EXPECT_NE(complaint({{"motion", ""}}), "");
     EXPECT_EQ(complaint({{"motion", ""}, {"wheels", "wheels"}}), "");
     EXPECT_NE(complaint({{"motion", ""}, {"wheels", "wheels"}, {"filter", "paper"}}), "");
+    EXPECT_NE(complaint({{"motion", "fusion"}}), "");
+    EXPECT_NE(complaint({{"motion", "fused_odometry"}}), "");
+    EXPECT_NE(complaint({{"wheels", "calibrated_wheels"}}), "");
     EXPECT_NE(complaint({{"withhold_s", "300"}}), "");
     EXPECT_EQ(complaint({{"withhold_s", "30"}}), "");
     EXPECT_NE(complaint({{"withhold_s", "30"}, {"filter", "paper"}}), "");

@@ -137,6 +137,19 @@ TEST(EarthPath, what_was_missed_along_a_free_direction_is_laid_out_along_the_way
     EXPECT_LT(sum_m / seeds, 0.05 * missed_m);
 }
 
+TEST(EarthPath, a_fix_that_is_stamped_far_ahead_lets_the_others_pass) {
+    const Drive drive(30, 1);
+    const EarthPath undisturbed = followed(drive, {}, 3);
+    for (const double ahead_s : {20.0, 1e5, 1024 * 604800.0}) {
+        Receiver receiver;
+        receiver.first_ahead_s = ahead_s;
+        EarthPath path = followed(drive, receiver, 3);
+        EXPECT_GE(path.count(FixUse::used) + 4, undisturbed.count(FixUse::used)) << ahead_s;
+        path.finished();
+        EXPECT_LE(path.count(FixUse::late), 2U) << "which came after one of its own time had been used";
+    }
+}
+
 // 2 % of the way are far more than what the odometry says of itself.
 TEST(EarthPath, finds_back_within_seconds_after_an_outage_that_the_odometry_did_not_bridge) {
     Receiver receiver;

@@ -64,6 +64,25 @@ TEST(EarthPath, wheels_that_slip_leave_the_word_of_an_odometry_that_is_uncertain
 }
 
 // 50 drives by wheels alone: their three errors and the pose, with the covariance that they claim.
+// For seconds on ice, with nothing beside them that tells: fixes that begin to depart are right.
+TEST(EarthPath, wheels_alone_that_slip_are_set_right_within_seconds) {
+    const Drive drive(110, 1);
+    Wheels wheels;
+    wheels.alone = true;
+    for (const double slip_s : {1.5, 3.0, 6.0}) {
+        wheels.slip_from_s = 50;
+        wheels.slip_to_s = 50 + slip_s;
+        EarthPath path = followed(drive, {}, 4, {}, nullptr, wheels);
+        EXPECT_GE(path.re_entries(), 1U) << slip_s;
+        EXPECT_LT(path.count(FixUse::off_the_path), 90U) << slip_s;
+        EXPECT_LT((path.latest()->T_enu_base.translation_m -
+                   (T_path_truth(path) * drive.T_enu_base.back()).translation_m)
+                      .norm(),
+                  0.15)
+            << slip_s;
+    }
+}
+
 TEST(EarthPath, wheels_alone_find_their_errors) {
     const Receiver receiver;
     EarthPathSettings settings = as_simulated(receiver);

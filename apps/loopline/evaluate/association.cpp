@@ -49,6 +49,8 @@ std::vector<PosePair> associate(const std::vector<StampedPose>& estimate,
     return pairs;
 }
 
+constexpr double same_time_s = 1e-3;
+
 }  // namespace
 
 ReferencePoses::ReferencePoses(const StampedPath& reference, double max_difference_s, Kind kind)
@@ -77,6 +79,9 @@ std::optional<Pose3> ReferencePoses::at(StampNs stamp_ns) {
     };
     const StampedPose& nearest = difference_s(previous) <= difference_s(next) ? previous : next;
     if (!(difference_s(nearest) <= max_difference_s_)) return std::nullopt;
+    // Before its first pose and after its last one a reference says nothing of a vehicle that moves.
+    const bool outside = after_ == 0 || after_ == poses_->size();
+    if (kind_ == Kind::poses_between && outside && difference_s(nearest) > same_time_s) return std::nullopt;
     if (kind_ == Kind::poses_between && previous.stamp_ns < stamp_ns && stamp_ns < next.stamp_ns &&
         difference_s(previous) <= max_difference_s_ && difference_s(next) <= max_difference_s_)
         return pose_between(previous, next, stamp_ns);

@@ -2,6 +2,7 @@
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -73,8 +74,9 @@ const LogFacts::Known& LogFacts::known(const mrpt::obs::CObservation& observatio
 
 void LogFacts::add(const mrpt::obs::CObservation& observation, StampNs stamp_ns) {
     const Known& sensor = known(observation);
-    if (observations_++ == 0) first_stamp_ns_ = stamp_ns;
-    last_stamp_ns_ = stamp_ns;
+    if (observations_++ == 0) first_stamp_ns_ = last_stamp_ns_ = stamp_ns;
+    first_stamp_ns_ = std::min(first_stamp_ns_, stamp_ns);
+    last_stamp_ns_ = std::max(last_stamp_ns_, stamp_ns);
     latest_is_scan_ = sensor.is_scan;
     if (latest_is_scan_) ++scans_;
     if (sensor.facts->count++ == 0) sensor.facts->first_stamp_ns = stamp_ns;

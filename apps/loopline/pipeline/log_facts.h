@@ -38,7 +38,7 @@ class LogFacts {
     std::uint64_t observations() const { return observations_; }
     /// Laser scans: planar ones, turning ones, and clouds of spatial scanners.
     std::uint64_t scans() const { return scans_; }
-    StampNs first_stamp_ns() const { return first_stamp_ns_; }  ///< in the log's order, not the smallest
+    StampNs first_stamp_ns() const { return first_stamp_ns_; }  ///< the earliest
     StampNs last_stamp_ns() const { return last_stamp_ns_; }
 
     /// Whether any observation is of this class, named with or without its namespace.
