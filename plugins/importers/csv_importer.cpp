@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <filesystem>
+#include <limits>
 #include <set>
 
 #include "config/did_you_mean.h"
@@ -109,12 +111,25 @@ Clock clock_of(const ColumnMap& map, Rows* utc_rows, RawlogSink& sink) {
     return clock;
 }
 
-/// One stream with its next reading.
+/// One stream with its next readings.
 struct Head {
     SensorStream* stream;
-    Reading reading;
+    std::deque<Reading> next;
     std::size_t written = 0;
-    bool more = false;
+    StampNs latest_ns = std::numeric_limits<StampNs>::min();  ///< of those that were not ahead
+
+    void look_ahead(const Clock& clock) {
+        constexpr std::size_t readings = 16;
+        for (Reading reading; next.size() < readings && stream->next(clock, reading); reading = {})
+            next.push_back(std::move(reading));
+    }
+    /// When the next is due: a few that are stamped far ahead do not hold up those behind them.
+    StampNs due_ns() const {
+        StampNs due_ns = next.front().known_ns;
+        for (const Reading& reading : next)
+            if (reading.known_ns >= latest_ns) due_ns = std::min(due_ns, reading.known_ns);
+        return due_ns;
+    }
 };
 
 /// Merged by when they were known; of equals, the section first in the map.
@@ -123,22 +138,23 @@ std::vector<Head> write_merged(const OpenTables& tables, const Clock& clock, Raw
     std::vector<Head> heads;
     for (const auto& stream : tables.streams) {
         heads.push_back({stream.get(), {}});
-        heads.back().more = stream->next(clock, heads.back().reading);
+        heads.back().look_ahead(clock);
     }
     bool any = false;
     while (true) {
         Head* earliest = nullptr;
         for (Head& head : heads)
-            if (head.more && (!earliest || head.reading.known_ns < earliest->reading.known_ns))
-                earliest = &head;
+            if (!head.next.empty() && (!earliest || head.due_ns() < earliest->due_ns())) earliest = &head;
         if (!earliest) return heads;
-        const StampNs known_ns = earliest->reading.known_ns;
+        const StampNs known_ns = earliest->next.front().known_ns;
         first_ns = any ? std::min(first_ns, known_ns) : known_ns;
         last_ns = any ? std::max(last_ns, known_ns) : known_ns;
         any = true;
-        sink.write(*earliest->reading.observation);
+        sink.write(*earliest->next.front().observation);
         ++earliest->written;
-        earliest->more = earliest->stream->next(clock, earliest->reading);
+        earliest->latest_ns = earliest->due_ns();
+        earliest->next.pop_front();
+        earliest->look_ahead(clock);
     }
 }
 

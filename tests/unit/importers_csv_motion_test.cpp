@@ -127,6 +127,18 @@ TEST_F(CsvImport, wheels_are_merged_with_an_imu_by_time_and_lines_that_are_damag
     EXPECT_NEAR(wheels->odometry.phi(), 2.0, 1e-12) << "(2 - 1) / 2 rad/s for 4 s";
 }
 
+TEST_F(CsvImport, a_stamp_far_ahead_holds_up_nothing_behind_it) {
+    folder.write("w.csv", "t,l,r\n1,1,1\n2,1,1\n3,1,1\n4,1,1\n");
+    folder.write("i.csv", "t,x\n1.5,1\n100000,2\n2.5,3\n3.5,4\n");
+    const auto log = import(
+        "[wheels]\nkind = wheels\nfile = w.csv\ntime = t\nleft = l\nright = r\ntrack_width_m = 2\n"
+        "[imu]\nkind = imu\nfile = i.csv\ntime = t\nturn_rate_x = x in rad/s\nturn_rate_y = x in rad/s\n"
+        "turn_rate_z = x in rad/s\nacceleration_x = x\nacceleration_y = x\nacceleration_z = x\n");
+    std::string order;
+    for (const auto& observation : log.observations) order += observation->sensorLabel + " ";
+    EXPECT_EQ(order, "wheels imu wheels imu imu wheels imu wheels ");
+}
+
 TEST_F(CsvImport, accelerations_of_another_table_are_interpolated) {
     folder.write("g.csv", "t,x,y,z\n0.99,0,0,0\n1,0,0,0\n1.025,0,0,0\n1.1,0,0,0\n1.2,0,0,0\n2,0,0,0\n");
     folder.write("a.csv", "at,x,y,z\n1000,0,1,10\n1100,4,1,20\n1900,4,1,20\n");
