@@ -82,6 +82,20 @@ TEST_F(SimulateTown, scans_have_their_truth_and_a_seed_its_bytes) {
     EXPECT_NE(file_text(folder / "a.rawlog"), file_text(folder / "c.rawlog"));
 }
 
+TEST_F(SimulateTown, a_log_that_nothing_scans_has_a_truth_to_be_compared_with) {
+    const std::string scenario = folder.write("street.ini", short_street);
+    const std::string log = (folder / "bare.rawlog").string();
+    ASSERT_EQ(simulate(scenario, "bare.rawlog", {"simulation.sensors=gnss wheels"}).exit_code, 0);
+    EXPECT_GT(read_tum(folder / "bare.truth.tum").size(), 50U);
+    const std::string ini = folder.write("bare.ini",
+                                         "[run]\nrawlog = x\nmodules = fusion\ntrajectory = fusion\n"
+                                         "[fusion]\nmotion =\nwheels = wheels\n");
+    const auto run =
+        run_loopline({"run", ini, "--rawlog", log, "--out", (folder / "run").string(), "--quiet"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(file_text(folder / "run/metrics.json").find("\"earth_rmse_m\""), std::string::npos);
+}
+
 TEST_F(SimulateTown, what_else_is_on_board_does_not_change_a_sweep) {
     const std::string scenario = folder.write("street.ini", short_street);
     ASSERT_EQ(simulate(scenario, "all.rawlog", {"simulation.sensors=spinning_lidar gnss wheels"}).exit_code,
