@@ -202,6 +202,8 @@ class EarthPath : public FusedPath {
     void judge_gaps(const std::vector<PoseOnEarth>& path);
     std::vector<PoseOnEarth> path_of_odometry() const;
     void look_for_heading(const gnss::GnssFix& fix);
+    std::optional<FoundHeading> see_for_heading(const gnss::GnssFix& fix);
+    void doubt_origin();
     void begin(const Pose3& T_enu_odom);
     void look_ahead();
 

@@ -52,6 +52,7 @@ struct Receiver {
     Eigen::Vector3d jump_m = Eigen::Vector3d::Zero();
     double latency_s = 0.15, sigma_latency_s = 0;  ///< that stamps do not tell
     double scale_in_outage = 1;                    ///< of the odometry
+    double first_away_m = 0;                       ///< of the first two fixes from where they should be
     double first_ahead_s = 0;                      ///< by which the stamps of the first two fixes are off
     /// Standard deviation of each of the odometry's motions in the outage, forward: as along a tunnel, and by
     /// a direction that each sweep tells anew, and not quite.
@@ -147,6 +148,7 @@ inline EarthPath followed(const Drive& drive, const Receiver& receiver, std::uin
                 std::max<StampNs>(drive.stamps_ns.front(), fix_ns - std::llround(1e9 * late_s));
             Eigen::Vector3d p_enu_m = drive.at(seen_ns) * (p_base_antenna_m + antenna_off_m) + error_m;
             if (t > receiver.jump_from_s && t < receiver.jump_to_s) p_enu_m += receiver.jump_m;
+            if (t < 0.4) p_enu_m.x() += receiver.first_away_m;
             fix.antenna = frame.geodetic(p_enu_m);
             fix.p_base_antenna_m = p_base_antenna_m;
             if (t < 0.4) fix.stamp_ns += std::llround(1e9 * receiver.first_ahead_s);

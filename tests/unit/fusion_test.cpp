@@ -137,6 +137,21 @@ TEST(EarthPath, what_was_missed_along_a_free_direction_is_laid_out_along_the_way
     EXPECT_LT(sum_m / seeds, 0.05 * missed_m);
 }
 
+// A receiver that has just been switched on may tell where it was switched off.
+TEST(EarthPath, a_first_fix_of_another_country_is_no_origin) {
+    const Drive drive(30, 1);
+    for (const double away_m : {50e3, 5e6}) {
+        Receiver receiver;
+        receiver.first_away_m = away_m;
+        EarthPath path = followed(drive, receiver, 3);
+        ASSERT_TRUE(path.heading_known());
+        EXPECT_LT(path.earth()->p_enu_m(origin).norm(), 100);
+        EXPECT_LE(path.count(FixUse::off_the_path), 4U);
+        const Pose3 expected = T_path_truth(path) * drive.T_enu_base.back();
+        EXPECT_LT((path.latest()->T_enu_base.translation_m - expected.translation_m).norm(), 0.1);
+    }
+}
+
 TEST(EarthPath, a_fix_that_is_stamped_far_ahead_lets_the_others_pass) {
     const Drive drive(30, 1);
     const EarthPath undisturbed = followed(drive, {}, 3);
