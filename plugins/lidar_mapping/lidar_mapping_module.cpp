@@ -1,7 +1,9 @@
 #include "lidar_mapping/lidar_mapping_module.h"
 
+#include "api/dense_algebra.h"
 #include "api/pose_observation.h"
 #include "api/sweep_classes.h"
+#include "inertial/pose_error.h"
 #include "inertial/rotation_vector.h"
 #include "lidar_mapping/matching_parameters.h"
 #include "lidar_mapping/upright_walls.h"
@@ -62,14 +64,18 @@ void LidarMappingModule::drain(Publisher& publisher) {
 void LidarMappingModule::follow(const LedSweeps::Sweep& now, Publisher& publisher) {
     const Placed placed = place(now.scan, now.middle_ns());
     const Pose3 T_map_base = pose_near(placed.state, -now.middle_s());
+    // About the vehicle where it was then: else what is added from pose to pose would hold the difference.
+    const Matrix6d covariance =
+        propagated(inertial::carried_along(T_map_base.translation_m - placed.state.T_map_base.translation_m),
+                   placed.covariance);
     Sweep sweep;
     sweep.sequence = now.sequence;
     sweep.stamp_ns = now.stamp_ns;
     sweep.T_map_base = Pose3Record(T_map_base);
-    Eigen::Map<Matrix6d>(sweep.covariance.data()) = placed.covariance;
+    Eigen::Map<Matrix6d>(sweep.covariance.data()) = covariance;
     look_for_upright(now, T_map_base, publisher);
     sweeps_.push_back(sweep);
-    publish(now, T_map_base, placed.covariance, publisher);
+    publish(now, T_map_base, covariance, publisher);
 }
 
 /// By the map, or between two sweeps that are matched with it by the odometry from the latest of them on.

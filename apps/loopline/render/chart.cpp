@@ -69,7 +69,9 @@ void draw_chart_axes(Figure& figure, const ChartWindow& window, const std::strin
         canvas.polyline({{box.x, at}, {box.right(), at}}, 0.5, palette::graticule);
         if (at < box.y + 0.3 * size_px || at > box.bottom() - 0.2 * size_px) continue;
         const std::string text = tick_text(y, step) + (y == upward.back() ? y_unit : "");
-        canvas.text(text, box.x - 0.4 * size_px, at + 0.36 * size_px, size_px, palette::quiet_ink,
+        const double room_px = box.x - 0.8 * size_px,
+                     fits_px = size_px * std::min(1.0, room_px / text_width_px(text, size_px));
+        canvas.text(text, box.x - 0.4 * size_px, at + 0.36 * size_px, fits_px, palette::quiet_ink,
                     Weight::regular, Align::right);
     }
 }
