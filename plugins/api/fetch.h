@@ -9,6 +9,7 @@ namespace loopline {
 /// `object` may be null.
 template <class T>
 inline void fetch(const T* object) {
+    if (object == nullptr) return;
     constexpr std::size_t line_bytes = 64;
     const auto* const bytes = reinterpret_cast<const char*>(object);
     for (std::size_t at = 0; at < sizeof(T); at += line_bytes) __builtin_prefetch(bytes + at);
