@@ -68,7 +68,7 @@ class SurfaceMap {
     /// The most certain surface among those of the cubes around a place, from size `smallest` on; kind `none`
     /// if there is none.
     SurfaceMatch find(const MapReturn& seen, std::size_t smallest = 0) const;
-    /// The same for so many places at once, which takes less than half of the time. Arrays of `count` each.
+    /// The same for so many places at once, which waits less for memory. Arrays of `count` each.
     static constexpr std::size_t at_once = 16;
     void find(const MapReturn* seen, std::size_t count, std::size_t smallest, SurfaceMatch* best) const;
     /// Whether there was a return within a part of the smallest cubes, a quarter of their edge, of a place.

@@ -63,7 +63,6 @@ TEST(EarthPath, wheels_that_slip_leave_the_word_of_an_odometry_that_is_uncertain
     EXPECT_NEAR(std::sqrt(motion.covariance(0, 0)), 0.05, 0.001);
 }
 
-// 50 drives by wheels alone: their three errors and the pose, with the covariance that they claim.
 // For seconds on ice, with nothing beside them that tells: fixes that begin to depart are right.
 TEST(EarthPath, wheels_alone_that_slip_are_set_right_within_seconds) {
     const Drive drive(110, 1);
@@ -83,6 +82,7 @@ TEST(EarthPath, wheels_alone_that_slip_are_set_right_within_seconds) {
     }
 }
 
+// 50 drives by wheels alone: their three errors and the pose, with the covariance that they claim.
 TEST(EarthPath, wheels_alone_find_their_errors) {
     const Receiver receiver;
     EarthPathSettings settings = as_simulated(receiver);

@@ -49,7 +49,7 @@ std::vector<PosePair> associate(const std::vector<StampedPose>& estimate,
     return pairs;
 }
 
-constexpr double same_time_s = 1e-3;
+constexpr double same_time_s = 1e-3;  // of stamps that were rounded
 
 }  // namespace
 
